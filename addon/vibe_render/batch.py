@@ -4,7 +4,8 @@
     blender -b shot.blend --python-exit-code 1 --python batch.py -- --prompt "misty, cool" --out DIR
     python batch.py --events run shot.blend --prompt "misty, cool" --out DIR     (with the bpy package)
 
-A mistake of the user's is one clear line and exit code 2; what nobody expected, one line that names a log, and 1.
+A mistake of the user prints one line and exits with code 2. An unexpected error prints one line that names a log, and
+exits with code 1.
 """
 
 import atexit
@@ -16,7 +17,7 @@ import tempfile
 from pathlib import Path
 
 if not __package__:
-    # Run as a file: our modules are found as a package, and not by their bare names.
+    # Run as a file: make the package importable, and its modules not importable by their bare names.
     here = Path(__file__).resolve().parent
     sys.path[:] = [p for p in sys.path if not p or Path(p).resolve() != here]
     sys.path[:0] = [str(here.parent)]
@@ -34,7 +35,7 @@ def main() -> int:
     reporter = Reporter(events="--events" in arguments)
     try:
         given = parse(arguments)
-        from vibe_render.headless import commands  # not before: importing bpy takes half a second
+        from vibe_render.headless import commands  # after parsing: importing bpy takes half a second
 
         if given.command == "serve":
             commands.serve()
@@ -50,21 +51,21 @@ def main() -> int:
 
 
 def _end(status: list[int]) -> None:
-    """Leaves without Blender's own exit handlers, where Blender is a Python module.
+    """Ends the process without Blender's exit handlers, where Blender is a Python module.
 
-    Those of Blender 4.5 may wait for ever on a thread of theirs (seen with bpy 4.5.15 on Linux).
+    The handlers of Blender 4.5 may wait forever for one of their own threads (seen with bpy 4.5.15 on Linux).
     """
     bpy = sys.modules.get("bpy")
     if bpy and not bpy.app.binary_path:
-        shutil.rmtree(bpy.app.tempdir, ignore_errors=True)  # Blender's own way out would
+        shutil.rmtree(bpy.app.tempdir, ignore_errors=True)  # which Blender's exit handlers would do
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(status[0])
 
 
 if __name__ == "__main__":
-    faulthandler.enable()  # where Blender crashes, its output says at which line of ours
+    faulthandler.enable()  # if Blender crashes, print the line of Python that ran
     outcome = [1]
-    atexit.register(_end, outcome)  # registered first, it comes last: engines are stopped before
+    atexit.register(_end, outcome)  # registered first, so it runs last, after engines are stopped
     outcome[0] = main()
     sys.exit(outcome[0])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The add-on's color mathematics: sRGB encoding and luma. No bpy here."""
+"""The add-on's color mathematics: sRGB encoding, luma and OKLab. No bpy here."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ LUMA = (0.2126, 0.7152, 0.0722)
 
 
 def to_linear(encoded: np.ndarray) -> np.ndarray:
-    """sRGB's decoding (IEC 61966-2-1), of any shape; straight on below black and above white."""
+    """Decodes sRGB (IEC 61966-2-1), an array of any shape; values below 0 and above 1 are not clipped."""
     curve = ((np.maximum(encoded, 0.0) + 0.055) / 1.055) ** 2.4
     return np.where(encoded <= 0.04045, encoded / 12.92, curve)
 
@@ -36,10 +36,10 @@ _OKLAB = np.array(
 
 
 def to_oklab(linear: np.ndarray) -> np.ndarray:
-    """OKLab (Ottosson 2020) of linear Rec.709; equal steps look alike."""
+    """OKLab (Ottosson 2020) of linear Rec.709 colors, (3,) or (3, N); equal distances look about equally large."""
     return _OKLAB @ np.cbrt(_CONES @ linear)
 
 
 def from_oklab(lab: np.ndarray) -> np.ndarray:
-    """Inverse of `to_oklab`; components that are negative are 0."""
+    """Inverse of `to_oklab`; negative components become 0."""
     return np.maximum(np.linalg.solve(_CONES, np.linalg.solve(_OKLAB, lab) ** 3), 0.0)

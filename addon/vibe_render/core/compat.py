@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All that depends on the version of Blender, decided by what is present rather than by number where possible; settings that not every version has."""
+"""All code that depends on the version of Blender. Where possible it tests for a feature, not for a version number."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from bpy.types import ID, Node, NodeSocket, NodeTree, Scene
 from .journal import Journal, resolve
 
 COMPOSITOR_IS_GROUP = "compositing_node_group" in Scene.bl_rna.properties  # 5.0 and later
-RELATIVE_PATHS = (  # 5.0 and later want to be told that a path may begin with "//"
+RELATIVE_PATHS = (  # option of a path property: the path may begin with "//"; Blender 5.0 and later need it
     {"PATH_SUPPORTS_BLEND_RELATIVE"}
     if "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties
     else set()
 )
 
-IS_MODULE = not bpy.app.binary_path  # Python runs Blender, not Blender Python: `app.module` since 4.5
+IS_MODULE = not bpy.app.binary_path  # Blender is a Python module (bpy); `app.module` tells it since 4.5
 EEVEE = "BLENDER_EEVEE" if COMPOSITOR_IS_GROUP else "BLENDER_EEVEE_NEXT"  # the identifier of the engine
 
 
 def pasted_picture(context: bpy.types.Context) -> bpy.types.Image | None:
-    """The picture in the clipboard as a new image; None if there is none.
+    """The image in the clipboard as a new image data-block; None if the clipboard has no image.
 
-    Blender pastes only into an image editor: where none is open, the area becomes one for this moment.
+    Blender pastes only into an image editor. If none is open, the current area becomes one for the duration of the call.
     """
     areas = [area for area in context.screen.areas if area.type == "IMAGE_EDITOR"]
     area = areas[0] if areas else context.area
@@ -45,7 +45,7 @@ def pasted_picture(context: bpy.types.Context) -> bpy.types.Image | None:
 
 
 def enable_nodes(block: bpy.types.Material | bpy.types.World) -> NodeTree:
-    """The node tree of a fresh material or world, which Blender 4 makes only when asked."""
+    """The node tree of a new material or world; Blender 4 creates it only when nodes are switched on."""
     if block.node_tree is None:
         block.use_nodes = True
     return block.node_tree
@@ -53,13 +53,13 @@ def enable_nodes(block: bpy.types.Material | bpy.types.World) -> NodeTree:
 
 def node_tree(block: Any) -> NodeTree | None:
     """The node tree that renders a material or world; None where its nodes are off."""
-    if COMPOSITOR_IS_GROUP:  # nodes cannot be off, and asking is deprecated
+    if COMPOSITOR_IS_GROUP:  # nodes are always on, and `use_nodes` is deprecated
         return block.node_tree
     return block.node_tree if block.use_nodes else None
 
 
 def output_node(block: Any) -> Node | None:
-    """The output that Cycles takes of a material, world or light; None without a block, its nodes, or an output."""
+    """The output node that Cycles uses in a material, world or light; None without a block, nodes or an output node."""
     tree = node_tree(block) if block else None
     return tree.get_output_node("CYCLES") if tree else None
 
@@ -74,7 +74,7 @@ def compositor(scene: Scene) -> NodeTree | None:
 
 
 def compositor_output(tree: NodeTree) -> NodeSocket | None:
-    """The input that the finished picture goes into."""
+    """The socket of the output node that receives the final image; None without an unmuted output node."""
     kind = "NodeGroupOutput" if COMPOSITOR_IS_GROUP else "CompositorNodeComposite"
     outputs = [node for node in tree.nodes if node.bl_idname == kind and not node.mute]
     if kind == "NodeGroupOutput":
@@ -114,15 +114,16 @@ def _action_curves(action: bpy.types.Action, slot: Any) -> Iterator[bpy.types.FC
 
 
 def start_compositor(journal: Journal, scene: Scene) -> NodeTree:
-    """Turns compositing on for a scene whose renders had none, and returns its tree: the render goes straight to the output.
+    """Turns compositing on for a scene whose renders have none; returns a tree that links the render to the output.
 
-    A tree that the artist had switched off stays as it is, apart from its output; its files are not written.
+    Blender 5 gets a new tree. In Blender 4, a tree that the artist had switched off is used: only its output is linked anew,
+    and its File Output nodes are muted.
     """
     journal.set(scene.render, "use_compositing", True)
     if COMPOSITOR_IS_GROUP:
         tree = journal.new("node_groups", "Vibe Compositor", "CompositorNodeTree")
         tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
-        # Else the node shows the scene that is open, and is a user of it.
+        # Without the override, the new node refers to the open scene and counts as a user of it.
         with bpy.context.temp_override(scene=scene):
             layers = tree.nodes.new("CompositorNodeRLayers")
         output = tree.nodes.new("NodeGroupOutput")
@@ -144,7 +145,7 @@ def start_compositor(journal: Journal, scene: Scene) -> NodeTree:
 
 
 def drop_compositor(scene: Scene) -> None:
-    """Takes the compositor away from a scene that is ours."""
+    """Turns compositing off for a scene that Vibe Render has made, such as a copy."""
     scene.render.use_compositing = False
     if COMPOSITOR_IS_GROUP:
         scene.compositing_node_group = None
@@ -153,7 +154,7 @@ def drop_compositor(scene: Scene) -> None:
 
 
 def set_to_curve(block: ID, curve: bpy.types.FCurve, frame: float) -> None:
-    """Sets a value of a data-block to that of its curve, unless it is muted, or of something that is gone."""
+    """Sets the property that a curve animates to the curve's value; not if the curve is muted or the property is gone."""
     if curve.mute:
         return
     path, _, name = curve.data_path.rpartition(".")
@@ -167,9 +168,10 @@ def set_to_curve(block: ID, curve: bpy.types.FCurve, frame: float) -> None:
 
 
 def drop_action(tree: NodeTree | None, frame: int | None = None) -> None:
-    """Takes a copied tree's action away: Blender 5 removes curves of the original with what the copy loses.
+    """Unlinks a copied tree from the action and NLA strips that it shares with the original.
 
-    With a frame, values are set to their curves there first.
+    Otherwise Blender 5 deletes curves of the original when nodes of the copy are removed. If `frame` is given, animated
+    values are first set to what the action's curves give at that frame.
     """
     data = tree.animation_data if tree else None
     if data is None:
@@ -183,7 +185,7 @@ def drop_action(tree: NodeTree | None, frame: int | None = None) -> None:
 
 
 def separate_compositor(twin: Scene, scene: Scene) -> list[NodeTree]:
-    """Separates a copied scene's compositor from the original's: it shows the copy, and writes no files; returns added groups."""
+    """Makes a copied scene's compositor read the copy and write no files; returns the node groups added for it."""
     added: list[NodeTree] = []
     tree = compositor(twin)
     if tree is None:
@@ -202,9 +204,9 @@ def separate_compositor(twin: Scene, scene: Scene) -> list[NodeTree]:
 
 
 def copy_groups(tree: NodeTree, frame: int | None = None) -> list[NodeTree]:
-    """Gives a copied tree copies of the groups inside, also of those in groups; returns them. See `drop_action`."""
+    """Replaces the node groups of a copied tree, nested ones too, by copies; returns these. `frame`: see `drop_action`."""
     trees = [tree]
-    for each in trees:  # grows by the groups inside
+    for each in trees:  # the loop appends the groups that it finds
         for node in each.nodes:
             if node.type == "GROUP" and node.node_tree:
                 node.node_tree = node.node_tree.copy()
@@ -223,9 +225,9 @@ def own_compositor(journal: Journal, scene: Scene, tree: NodeTree) -> NodeTree:
 
 
 def march_volumes(journal: Journal, scene: Scene) -> None:
-    """Lets Blender 5 march through fog as Blender 4 does, which starts seconds sooner for large boxes of height fog.
+    """Lets Blender 5 use Blender 4's ray marching for volumes: large boxes of height fog start rendering seconds sooner.
 
-    The picture is the same. Scenes with the artist's own volumes stay, because these would look otherwise.
+    Vibe Render's fog looks the same. Scenes with volume objects of the artist are left alone, because these would change.
     """
     if not hasattr(scene.cycles, "volume_biased") or any(o.type == "VOLUME" for o in scene.objects):
         return
@@ -244,15 +246,15 @@ def assign(owner: bpy.types.bpy_struct, **values: Any) -> None:
 def changed(owner: bpy.types.bpy_struct, **values: Any) -> Iterator[None]:
     """Sets properties inside the block and restores the old values afterwards, in reverse order.
 
-    Left as they are: properties that this version of Blender does not have, and those whose present value it would
-    not take back, such as a choice in an older file that it has dropped.
+    Two kinds of properties are left alone: those that this version of Blender does not have, and those whose present
+    value cannot be set again, such as an option from an older file that Blender has dropped.
     """
     old = []
     try:
         for name, value in values.items():
             if name in owner.bl_rna.properties:
                 before = getattr(owner, name)
-                # arrays are views into Blender's data: keep what they hold now
+                # arrays are views into Blender's data: copy the present values
                 before = before[:] if hasattr(before, "__len__") else before
                 try:
                     setattr(owner, name, before)

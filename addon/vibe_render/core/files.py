@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that appear whole or not at all, and what to say where they cannot be written. No bpy here."""
+"""Atomic writing of files, and the errors for files that cannot be written. No bpy here."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from typing import Any
 from .schema_import import atomic, schema
 
 _REMEDY = "Choose another --out."
-_LEAST = 4096  # bytes: with fewer left, what was written last may have been cut off
+_LEAST = 4096  # bytes free on the disk; with fewer, the file just written may be truncated
 
 
 @contextmanager
 def whole(path: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
     """A temporary path next to a file, moved onto the file at the end of the block; removed after a failure.
 
-    A VibeError with the remedy says if it fails. (What Blender cannot write is a RuntimeError, or empty.)
+    A failure to write raises a VibeError with this remedy. (Blender raises RuntimeError, or writes an empty file.)
     """
     try:
         with atomic.replacing(path) as part:
             yield part
-            # Blender says that it has written a picture, also where the disk is full.
+            # Blender reports success even if the disk was full.
             if not part.stat().st_size or shutil.disk_usage(part.parent).free < _LEAST:
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     except (OSError, RuntimeError) as error:
@@ -46,10 +46,10 @@ def unwritable(path: Path, error: Exception, remedy: str) -> schema.VibeError:
 
 
 class Outputs:
-    """New files of a folder, which exists: when the block ends they are moved into place, none of them if it fails.
+    """New files in an existing folder, all moved into place when the block ends, or deleted if it raises.
 
-    They are written in that folder under other names, because a .blend keeps paths relative to itself. Every method
-    raises a VibeError if a file cannot be written.
+    Until then they are in the same folder under temporary names, because a .blend keeps paths relative to itself. Every
+    method raises a VibeError if a file cannot be written.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -58,13 +58,13 @@ class Outputs:
         self._names: list[str] = []
 
     def path(self, name: str) -> Path:
-        """The temporary path of a file; it is moved to its own name in the end."""
+        """The temporary path at which to write the file of this name."""
         if name not in self._names:
             self._names.append(name)
         return self.folder / f"{atomic.part_prefix()}{self._run}-{name}"
 
     def write_json(self, name: str, content: Any) -> None:
-        """Adds a JSON file; a number that is not finite is a ValueError."""
+        """Adds a JSON file; raises ValueError for a number that is not finite."""
         self.write_text(name, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False))
 
     def write_text(self, name: str, text: str) -> None:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Changes to a .blend, made so that every one of them can be taken back.
 
-A journal writes down what it is about to change. Its entries are JSON, its data-blocks are named by
-their place in `ids`, so that an artist may rename them, and undoing is replaying it backwards.
+A journal records every change; undoing goes through the records backwards. Entries are JSON. They refer to
+data-blocks by index in `ids`, so that an artist may rename these.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ from bpy.types import ID, FCurve, Node, NodeSocket, NodeTree, bpy_struct
 
 JournalEntry = dict[str, Any]
 KEYFRAMES = "Vibe Render"
-"""The group of our curves, among those of the artist's in an action."""
+"""Name of the group in an action that holds Vibe Render's curves; the other curves are the artist's."""
 HELD = "vibe_held"
-"""The property of an action that names its curves that are the artist's and muted by us."""
-Keys = list[list[float]]  # of each keyframe: its value, and those of its left and right handle
+"""Custom property of an action: the `held_name` of each of the artist's curves that Vibe Render has muted."""
+Keys = list[list[float]]  # a row for each keyframe: its value, and the values of its left and right handle
 _GONE = (LookupError, ValueError, AttributeError, ReferenceError)
-"""Errors of Blender where something is not as it was."""
+"""Errors that Blender raises when the artist has removed or changed what an entry refers to."""
 
 
 @dataclass
 class Journal:
-    """Recorded changes. What is in a tree that no data-block owns is a LookupError."""
+    """Recorded changes. Changing a node in an embedded tree that no data-block owns raises LookupError."""
 
-    entries: list[JournalEntry] = field(default_factory=list)  # in their order
-    # the data-blocks that the entries speak of; None where one has been deleted since
+    entries: list[JournalEntry] = field(default_factory=list)  # in the order of the changes
+    # the data-blocks that entries refer to by index; None in place of a deleted one
     ids: list[ID | None] = field(default_factory=list)
 
     def refer(self, block: ID) -> int:
@@ -58,13 +58,13 @@ class Journal:
         return node
 
     def new(self, collection: str, name: str, *kind: Any) -> Any:
-        """Adds a data-block, numbered if its name is taken; `kind` is what else `bpy.data`'s `new` takes."""
+        """Adds a data-block, numbered if its name is taken; `kind`: further arguments of the collection's `new`."""
         block = getattr(bpy.data, collection).new(name, *kind)
         self.entries.append({"op": "new", "id": self.refer(block), "collection": collection})
         return block
 
     def copy(self, collection: str, block: ID) -> Any:
-        """Adds a copy of a data-block, which is in this collection of `bpy.data`: "materials"."""
+        """Adds a copy of a data-block; `collection` names its collection in `bpy.data`, such as "materials"."""
         twin = block.copy()
         self.entries.append({"op": "new", "id": self.refer(twin), "collection": collection})
         return twin
@@ -81,7 +81,10 @@ class Journal:
         return name
 
     def channelbag(self, block: ID) -> Any:
-        """The keyframes of a data-block or its node tree; a LookupError if its action has none for it."""
+        """The channelbag (keyframes) of a data-block; makes an action if it has none.
+
+        Raises LookupError if there is an action, but without keyframes of this data-block.
+        """
         data = block.animation_data
         if data and data.action:
             if (bag := _channelbag(block)) is None:
@@ -96,7 +99,7 @@ class Journal:
         return strip.channelbag(data.action_slot, ensure=True)
 
     def curve(self, owner: bpy_struct, name: str, index: int) -> FCurve:
-        """Adds a curve without keys for a property, or for a component of an array; raises LookupError as `channelbag`."""
+        """Adds an empty curve for a property, or for a component of an array; raises LookupError as `channelbag`."""
         block = owner.id_data
         bag = self.channelbag(block)
         path = name if isinstance(owner, ID) else f"{owner.path_from_id()}.{name}"
@@ -106,13 +109,18 @@ class Journal:
         return curve
 
     def hold(self, block: ID, curve: FCurve, key: str, was: float) -> None:
-        """Mutes a curve of the artist's, so that a value can change, by its key; `was` is what the curve gives now."""
+        """Mutes a curve of the artist, so that its value can change.
+
+        Args:
+            key: Key of the parameter that the curve animates.
+            was: The curve's present value.
+        """
         place = {"curve": curve.data_path, "index": curve.array_index}
         self._note("held", block, **place, keys=keys_of(curve), key=key, was=was)
         mark_held(curve, True)
 
     def curves(self, op: str) -> list[tuple[JournalEntry, Any, FCurve]]:
-        """The entries of `hold` ("held") or `curve` ("curve") whose curves are still there, each with what that animates, and the curve."""
+        """(entry, animated data-block, curve) of `hold` ("held") or `curve` ("curve"), if the curve still exists."""
         entries = [e for e in self.entries if e["op"] == op and self.ids[e["id"]]]
         blocks = ((entry, resolve(self.ids[entry["id"]], entry["path"])) for entry in entries)
         return [(entry, block, curve) for entry, block in blocks if (curve := _curve(block, entry))]
@@ -123,29 +131,29 @@ class Journal:
         self.entries.append({"op": op, "id": self.refer(block), "path": path, **rest})
 
     def start_compositor(self, scene: bpy.types.Scene) -> None:
-        """Makes the compositor tree of a scene in Blender 4 that has none yet, empty."""
+        """Makes an empty compositor tree for a scene that has none, in Blender 4."""
         self.entries.append({"op": "compositor", "id": self.refer(scene)})
         images = set(bpy.data.images)
         scene.use_nodes = True
         scene.node_tree.nodes.clear()
-        for image in set(bpy.data.images) - images:  # of the Viewer node that Blender puts there
+        for image in set(bpy.data.images) - images:  # the image of the Viewer node that Blender adds
             bpy.data.images.remove(image)
 
     def remember(self) -> None:
-        """Notes what has been set: `undo` then leaves alone what has another value by that time."""
+        """Records the present values of all properties that were set; `undo` leaves those alone that have changed since."""
         for entry in self.entries:
             if entry["op"] == "set":
                 owner = resolve(self.ids[entry["id"]], entry["path"])
                 entry["new"] = self._plain(getattr(owner, entry["name"]))
 
     def _changed_since(self, entry: JournalEntry) -> bool:
-        """True if a value is another one than `remember` has noted."""
+        """True if a property no longer has the value that `remember` recorded."""
         block = self.ids[entry["id"]]
         if "new" not in entry or block is None:
             return False
         try:
             return self._plain(getattr(resolve(block, entry["path"]), entry["name"])) != entry["new"]
-        except _GONE:  # undo says so
+        except _GONE:  # `undo` reports it
             return False
 
     def _plain(self, value: Any) -> Any:
@@ -154,10 +162,10 @@ class Journal:
         return value if isinstance(value, bool | int | float | str | None) else list(value)
 
     def undo(self, first: int = 0) -> list[str]:
-        """Undoes and forgets the entries from the first on; returns what the artist has removed, in words."""
+        """Undoes and deletes the entries from index `first` on; returns, in words, what could not be undone."""
         lost: list[str] = []
         added: list[tuple[str, ID]] = []
-        # Before anything is undone: one value may follow from another, as a location from a matrix.
+        # Compare before anything is undone: undoing one value may change another, as a matrix does a location.
         left = [entry for entry in self.entries[first:] if not self._changed_since(entry)]
         for entry in reversed(left):
             block = self.ids[entry["id"]]
@@ -168,14 +176,14 @@ class Journal:
                     added.append((entry["collection"], block))
                 else:
                     self._undo_entry(block, entry)
-            except (*_GONE, TypeError, RuntimeError):  # the rest comes back all the same
+            except (*_GONE, TypeError, RuntimeError):  # go on with the other entries
                 lost.append(_loss(block, entry))
         del self.entries[first:]
         self._remove(added)
         return lost
 
     def _undo_entry(self, block: Any, entry: JournalEntry) -> None:
-        """Undoes a change of a data-block; what the artist has changed since then stays."""
+        """Undoes one change of a data-block; slots, links and actions that the artist has changed since then stay."""
         op = entry["op"]
         if op == "compositor":
             block.node_tree.nodes.clear()
@@ -211,7 +219,7 @@ class Journal:
                     owner.links.new(_socket(owner, entry["old"], "outputs"), target)
 
     def _remove(self, added: list[tuple[str, ID]]) -> None:
-        """Removes data-blocks without users; objects always, because their collections use them, and collections also once empty."""
+        """Removes added data-blocks: objects always, collections without users or content, others without users."""
 
         def is_free(block: ID) -> bool:
             if isinstance(block, bpy.types.Collection):
@@ -225,7 +233,7 @@ class Journal:
             added = [pair for pair in added if pair not in free]
 
     def extend(self, later: Journal) -> None:
-        """Appends a journal of later changes. Values that this one has already recorded keep their first record."""
+        """Appends a journal of later changes. Properties that this journal has already recorded keep their first record."""
         number = {i: self.refer(block) for i, block in enumerate(later.ids) if block is not None}
         recorded = {_slot(entry) for entry in self.entries if entry["op"] == "set"}
         for entry in later.entries:
@@ -239,9 +247,9 @@ class Journal:
 
 
 def address(struct: bpy_struct) -> tuple[ID, str]:
-    """The data-block that owns a struct, and the path from there; node trees inside others included."""
+    """The data-block that owns a struct, and the path from it to the struct; for an embedded node tree, the tree's owner."""
     root = struct.id_data
-    # Cycles' settings of a view layer do not know their own path.
+    # `path_from_id` does not work for a view layer's Cycles settings.
     layer = next(
         (each for each in getattr(root, "view_layers", ()) if getattr(each, "cycles", None) == struct), None
     )
@@ -276,7 +284,7 @@ def resolve(block: ID, path: str) -> Any:
 
 
 def _channelbag(block: ID) -> Any:
-    """The keyframes of a data-block in its action; None if there are none."""
+    """The channelbag (keyframes) of a data-block in its action; None if there is none."""
     data = block.animation_data
     if not (data and data.action and data.action_slot):
         return None
@@ -290,12 +298,12 @@ def _curve(block: ID, entry: JournalEntry) -> FCurve | None:
 
 
 def held_name(curve: FCurve) -> str:
-    """The name of a curve among those of its action that are held."""
+    """The name of a curve in the list of muted curves of its action (`HELD`)."""
     return f"{curve.data_path}[{curve.array_index}]"
 
 
 def mark_held(curve: FCurve, held: bool) -> None:
-    """Mutes a curve of the artist's and remembers that, or ends both."""
+    """Mutes a curve of the artist and lists it in `HELD`, or reverses both."""
     action, name = curve.id_data, held_name(curve)
     names = [each for each in action.get(HELD, ()) if each != name] + [name] * held
     curve.mute = held
@@ -306,19 +314,19 @@ def mark_held(curve: FCurve, held: bool) -> None:
 
 
 def keys_of(curve: FCurve) -> Keys:
-    """The values of a curve's keyframes."""
+    """The values of a curve's keyframes and of their handles."""
     return [[p.co.y, p.handle_left.y, p.handle_right.y] for p in curve.keyframe_points]
 
 
 def set_keys(curve: FCurve, keys: Keys) -> None:
-    """Gives a curve's keyframes other values; raises ValueError if it has got other ones since."""
+    """Sets the values of a curve's keyframes and handles; raises ValueError if their number has changed."""
     for point, (value, left, right) in zip(curve.keyframe_points, keys, strict=True):
         point.co.y, point.handle_left.y, point.handle_right.y = value, left, right
     curve.update()
 
 
 def _drop_action(block: ID, entry: JournalEntry) -> None:
-    """Takes a data-block's action away, unless there are keyframes of the artist's in it."""
+    """Unlinks a data-block from the action that `channelbag` made, unless curves of the artist are in it."""
     bag, data = _channelbag(block), block.animation_data
     if bag is None or bag.fcurves:
         return

@@ -15,7 +15,7 @@ ANIMATED = "is animated or driven here"
 
 
 def of_property(owner: bpy_struct, name: str) -> str:
-    """The reason for one property of a data-block or of a struct in it, such as a node socket."""
+    """Lock reason of one property of a data-block, or of a struct in it such as a node socket."""
     block, _ = address(owner)
     if block.library:
         return f'"{block.name}" is linked from {bpy.path.basename(block.library.filepath)}'
@@ -36,13 +36,13 @@ def _animated(owner: bpy_struct, name: str) -> str:
 
 
 def _is_set_aside(curve: bpy.types.FCurve) -> bool:
-    """True if it is muted by us: a curve of ours while another look is searched, or one of the artist's that is to move."""
+    """True if Vibe Render has muted a curve: its own during a search, or one of the artist that is to follow the look."""
     ours = curve.group is not None and curve.group.name == KEYFRAMES
     return curve.mute and (ours or held_name(curve) in curve.id_data.get(HELD, ()))
 
 
 def of_pose(obj: Object) -> str:
-    """The reason for an object's location and rotation."""
+    """Lock reason of an object's location and rotation."""
     if obj.parent:
         return f'"{obj.name}" follows its parent "{obj.parent.name}"'
     if any(not c.mute and c.influence > 0.0 for c in obj.constraints):
@@ -57,12 +57,12 @@ def of_pose(obj: Object) -> str:
 
 
 def of_socket(socket: NodeSocket, source: NodeSocket | None, inside: Sequence[Node] = ()) -> str:
-    """The reason for a node input.
+    """Lock reason of a node input.
 
     Args:
-        source: The output that computes it; None where none does.
-        inside: The group nodes that lead to it. A group may be anybody's, for a copy of it changes: it is the
-            material around it that must not be linked from a library.
+        source: The output that computes the input; None if no output does.
+        inside: The group nodes around the input, from the outermost tree inward. A shared or linked group is no
+            obstacle, because a copy of it is changed. Only the tree around the outermost group must be editable.
     """
     if source is not None:
         return f'{socket.name} comes from "{source.node.label or source.node.name}"'
@@ -72,7 +72,7 @@ def of_socket(socket: NodeSocket, source: NodeSocket | None, inside: Sequence[No
 
 
 def uses(tree: NodeTree) -> int:
-    """The number of nodes that use a group."""
+    """The number of nodes in the file that use a node group."""
     blocks = (*bpy.data.materials, *bpy.data.worlds, *bpy.data.lights, *bpy.data.scenes)
     trees = [t for t in (getattr(b, "node_tree", None) for b in blocks) if t]
     nodes = (node for t in (*trees, *bpy.data.node_groups) for node in t.nodes)

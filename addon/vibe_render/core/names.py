@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Names that are no UTF-8, which old files and some importers have: Blender's Python cannot read them."""
+"""Names that are not valid UTF-8, from old files or some importers: Blender's Python cannot read them."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ _PARTS = (
     "bones",
     "key_blocks",
 )
-"""Collections inside data-blocks whose items have names, or read things by name."""
-_replaced: list[str] = []  # what `note` has not told yet
+"""Collections inside data-blocks whose items have a name, or refer to others by name."""
+_replaced: list[str] = []  # names that `note` has not reported yet
 
 
 def make_readable() -> None:
-    """Replaces texts of the file that are no UTF-8 by Latin-1; a VibeError for one in a linked library."""
+    """Rewrites texts of the file that are not valid UTF-8; raises VibeError for one in a linked library."""
     for struct in _structs():
         texts = (p for p in struct.bl_rna.properties if p.type == "STRING" and not p.is_readonly)
         for name in (p.identifier for p in texts):
             try:
                 getattr(struct, name)
             except UnicodeDecodeError as error:
-                # Without a character that was cut in the middle, or in Latin-1.
+                # A text that was cut inside a character loses that character; others are read as Latin-1.
                 cut = error.reason == "unexpected end of data"
                 text = error.object[: error.start].decode() if cut else error.object.decode("latin-1")
                 block = struct if isinstance(struct, ID) else struct.id_data
@@ -59,7 +59,7 @@ def _structs() -> Iterator[bpy_struct]:
 
 
 def note() -> str:
-    """A note on the names that were replaced since the last one, in words for the artist; "" without any."""
+    """A note for the artist on the names replaced since the last call; "" if there are none."""
     names = ", ".join(_replaced[:3]) + (f" and {len(_replaced) - 3} more" if len(_replaced) > 3 else "")
     _replaced.clear()
     return f"Names that are no UTF-8 cannot be read; they have been replaced: {names}." if names else ""

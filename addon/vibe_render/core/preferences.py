@@ -11,36 +11,39 @@ import bpy
 
 from . import ADDON, compat
 
-_FOLDER = "vibe-render"  # inside a chosen cache folder: what Clear deletes is ours
+_FOLDER = "vibe-render"  # subfolder of the chosen cache folder: Clear deletes only this
 
 
 def own_folder(path: str, create: bool = False) -> Path:
-    """A folder of the user's files; without an installed extension (no window), where one installed from disk has it."""
+    """A folder for the extension's files of this user.
+
+    If no extension is installed (command line), the folder that one installed from disk would have.
+    """
     try:
         folder = Path(bpy.utils.extension_path_user(ADDON, path=path))
     except ValueError:
         place = f".user/user_default/vibe_render/{path}"
         folder = Path(bpy.utils.user_resource("EXTENSIONS", path=place))
-    if create:  # Blender's own `create` gives "", the current folder, where another Blender makes it just now
-        with suppress(OSError):  # whoever writes into it says why that cannot be
+    if create:  # Blender's own `create` returns "" if another Blender makes the folder at the same time
+        with suppress(OSError):  # the first write into the folder reports the reason
             folder.mkdir(parents=True, exist_ok=True)
     return folder
 
 
 def get(context: bpy.types.Context) -> Any:
-    """The add-on's preferences; None where it is registered without being installed (tests)."""
+    """The add-on's preferences; None if it is registered without being installed, as in tests."""
     addon = context.preferences.addons.get(ADDON)
     return addon.preferences if addon else None
 
 
 def engine_choice(context: bpy.types.Context) -> str:
-    """The folder that the artist has chosen for the engine; "" to look for it."""
+    """The folder that the artist has chosen for the engine; "" to search for the engine."""
     chosen = get(context)
     return chosen.engine if chosen else ""
 
 
 def cache_folder(context: bpy.types.Context) -> Path:
-    """The cache: everything in it can be made again. A chosen folder gets a folder of ours inside."""
+    """The cache folder, whose content can be made again; a subfolder of the one that the artist has chosen, if any."""
     chosen = get(context)
     if chosen and chosen.cache:
         return Path(bpy.path.abspath(chosen.cache)).expanduser() / _FOLDER
@@ -48,5 +51,5 @@ def cache_folder(context: bpy.types.Context) -> Path:
 
 
 def online() -> bool:
-    """True if other computers may be reached: Blender's own setting, which a Python module lacks."""
+    """True if the network may be used: Blender's Online Access setting; always, where Blender is a Python module."""
     return compat.IS_MODULE or bpy.app.online_access

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Content of a scene's render: the only place that asks Blender what counts, objects, lights, settings.
+"""Content of a scene's render: the only module that asks Blender which objects, lights and settings count.
 
 A scene is rendered through its first view layer in use. `docs/develop/what-is-rendered.md` has a row for each property.
 """
@@ -20,7 +20,7 @@ MARK = "vibe_owned"
 """The custom property by which Vibe Render knows what it has added."""
 GEOMETRY = {"MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES", "POINTCLOUD"}
 FILM = "film"
-"""In the place of a kind of rays: what a holdout is hidden from."""
+"""Stands for the film among kinds of rays: a holdout is hidden from it."""
 _RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
 _LIT = ("diffuse", "glossy", "transmission")
 
@@ -43,12 +43,12 @@ def scenes(scene: Scene) -> list[Scene]:
 def shown(scene: Scene) -> set[Object]:
     """The objects that a render shows, those of background sets too.
 
-    An object counts if one of its collections does: neither that nor a collection around it may be disabled in renders,
-    and the view layer must not exclude it.
+    An object is shown if one of its collections is: neither this collection nor one around it is disabled in renders,
+    and the view layer does not exclude it.
     """
     found: set[Object] = set()
     for each in scenes(scene):
-        here = set(filter(None, layer(each).objects))  # what was removed just now is there as None
+        here = set(filter(None, layer(each).objects))  # an object removed just now is there as None
         enabled = (o for c in _enabled(each.collection) for o in c.objects)
         found |= {o for o in enabled if o in here and not o.hide_render}
     return found
@@ -63,20 +63,23 @@ def _enabled(collection: Collection) -> Iterator[Collection]:
 
 
 def depsgraph(scene: Scene) -> bpy.types.Depsgraph:
-    """The evaluated scene, up to date."""
+    """The updated dependency graph of the scene's rendered view layer."""
     chosen = layer(scene)
     chosen.update()
     return chosen.depsgraph
 
 
 def instances(scene: Scene) -> Iterator[tuple[Object, Object | None, Matrix]]:
-    """Objects that a render shows, with instancer and matrix; unevaluated where the viewport hides them."""
+    """Yields (object, instancer or None, world matrix) for all that a render shows.
+
+    Objects are evaluated, except those that the viewport hides.
+    """
     objects = shown(scene)
     seen = set()
     for item in depsgraph(scene).object_instances:
         original, instancer = item.object.original, item.parent.original if item.parent else None
         seen.add(instancer or original)
-        by_nodes = instancer is not None and instancer.instance_type == "NONE"  # also by particles
+        by_nodes = instancer is not None and instancer.instance_type == "NONE"  # geometry nodes or particles
         hidden = original.hide_render and not by_nodes
         shows = original.show_instancer_for_render if original.is_instancer else item.show_self
         if shows and (instancer or original) in objects and not hidden:
@@ -86,14 +89,15 @@ def instances(scene: Scene) -> Iterator[tuple[Object, Object | None, Matrix]]:
 
 
 def is_finite(matrix: Matrix) -> bool:
-    """True if all numbers of an object's place are finite; broken drivers and constraints leave it otherwise."""
+    """True if all numbers of an object's matrix are finite; with broken drivers or constraints they may not be."""
     return all(math.isfinite(v) for row in matrix for v in row)
 
 
 def hidden_from(thing: Object, of: ViewLayer) -> frozenset[str]:
-    """The kinds of rays that pass an object, and its instances; the camera's pass what only lights indirectly.
+    """The kinds of rays that pass through an object and its instances.
 
-    A holdout stops them all, and leaves a hole in the film.
+    Camera rays pass through an object that is set to Indirect Only. A holdout stops all rays, but leaves a hole in the
+    image: its set has `FILM`.
     """
     rays = {ray for ray in _RAYS if not getattr(thing, f"visible_{ray}")}
     if thing.original.indirect_only_get(view_layer=of):
@@ -104,7 +108,7 @@ def hidden_from(thing: Object, of: ViewLayer) -> frozenset[str]:
 
 
 def frustum(scene: Scene) -> Matrix | None:
-    """World space to the clip space of the scene's camera; None if there is none."""
+    """The matrix from world space to the clip space of the scene's camera; None without a camera."""
     camera, render = scene.camera, scene.render
     if camera is None or camera.type != "CAMERA":
         return None
@@ -119,7 +123,7 @@ def frustum(scene: Scene) -> Matrix | None:
 
 
 def in_frame(to_clip: Matrix, thing: Object, matrix: Matrix) -> bool:
-    """True if the bounding box of an object at a matrix reaches into the camera's view; conservative."""
+    """True if an object with this world matrix may be in the camera's view; tests its bounding box, conservatively."""
     corners = [to_clip @ matrix @ Vector((*corner, 1.0)) for corner in thing.bound_box]
     sides = [(axis, sign) for axis in range(3) for sign in (1.0, -1.0)]
     return not any(all(sign * c[axis] > c.w for c in corners) for axis, sign in sides)
@@ -129,7 +133,7 @@ def in_frame(to_clip: Matrix, thing: Object, matrix: Matrix) -> bool:
 
 
 def worn(thing: Object, of: ViewLayer) -> list[Material | None]:
-    """The materials that an object's faces have in renders of a view layer, slot by slot; at least one, which may be None."""
+    """The material of each slot of an object in renders of a view layer; at least one entry, which may be None."""
     if override := of.material_override:
         return [override.original]
     slots = [slot.material for slot in thing.material_slots] or list(
@@ -182,14 +186,14 @@ def _shines(obj: Object) -> bool:
 
 
 def lights(scene: Scene) -> list[Object]:
-    """The scene's own lights that a render sees, by name; portals and lights whose place is not a number light nothing."""
+    """The scene's own lights that a render shows, sorted by name; without portals and lights whose matrix is not finite."""
     here = set(scene.objects)
     found = [o for o in shown(scene) if _shines(o) and o in here and is_finite(o.matrix_world)]
     return sorted(found, key=lambda o: o.name_full)
 
 
 def instanced_lights(scene: Scene) -> list[tuple[Object, Matrix]]:
-    """Lights that instances of collections and geometry nodes show, and those of background sets, with their matrices."""
+    """(light, world matrix) for instanced lights (of collections, geometry nodes) and lights of background sets."""
     here = set(scene.objects)
     return [
         (thing.original, matrix)
@@ -199,18 +203,18 @@ def instanced_lights(scene: Scene) -> list[tuple[Object, Matrix]]:
 
 
 def unlit_rays(light: Object) -> list[str]:
-    """The kinds of surfaces' rays that do not meet a light."""
+    """The kinds of rays from surfaces to which a light is invisible."""
     return [ray for ray in _LIT if not getattr(light, f"visible_{ray}")]
 
 
 def world(scene: Scene) -> World | None:
-    """The world that a render shows: the scene's, or the one that the view layer puts in its place, or leaves out."""
+    """The world that a render shows: the view layer's override, or the scene's; None if the layer leaves it out."""
     of = layer(scene)
     return (of.world_override or scene.world) if of.use_sky else None
 
 
 def unlit_by(world: World | None) -> list[str]:
-    """The kinds of rays that do not meet a world."""
+    """The kinds of rays to which a world is invisible."""
     return [ray for ray in ("camera", *_LIT) if world and not getattr(world.cycles_visibility, ray)]
 
 
@@ -237,7 +241,7 @@ def world_users(block: World) -> int:
 
 
 def image_notes(scene: Scene) -> list[str]:
-    """Settings of the whole image that the prediction leaves out, in words for the artist."""
+    """Notes for the artist on settings of the whole image that the prediction leaves out."""
     view, render, cycles, of = scene.view_settings, scene.render, scene.cycles, layer(scene)
     culls = render.use_simplify and (cycles.use_camera_cull or cycles.use_distance_cull)
     strips = getattr(scene.sequence_editor, "strips", ())
@@ -259,7 +263,7 @@ def image_notes(scene: Scene) -> list[str]:
 
 
 def changing_compositor(scene: Scene) -> NodeTree | None:
-    """The compositor tree, if it does more than pass the scene's first rendered view layer on; our own grade is no change."""
+    """The compositor tree; None if it only passes on the first rendered view layer, with or without Vibe Render's grade."""
     tree = compat.compositor(scene)
     socket = compat.compositor_output(tree) if tree else None
     while socket is not None and (links := [link for link in socket.links if not link.is_muted]):

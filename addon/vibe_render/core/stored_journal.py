@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A journal in a custom property of its scene, where it is saved, undone and redone with what it describes.
+"""A journal in a custom property of its scene: Blender saves, undoes and redoes it together with the scene.
 
-It is checked when it is read: files come from other people, and may be damaged. Nothing that it may do goes beyond taking
-back a vibe: numbers, flags, data-blocks, links, nodes and keyframes.
+A journal is checked when it is read, because files may be damaged or come from other people. Its entries can do no more
+than take back a vibe: change numbers, flags, data-blocks, links, nodes and keyframes.
 """
 
 from __future__ import annotations
@@ -28,19 +28,19 @@ _COLLECTIONS = {
     "worlds",
 }
 _TEXTS = {"link": {"DATA", "OBJECT"}}
-"""Properties that hold text, and what it may be. The only other one is the name of a light group."""
+"""Text properties that an entry may restore, and their allowed values; `lightgroup` may have any text."""
 
 
 class Newer(Exception):
-    """It was stored by a newer version of ours."""
+    """The journal was stored by a newer version of Vibe Render."""
 
 
 class Damaged(Exception):
-    """It is not what a journal writes."""
+    """The stored data is not what `store` writes."""
 
 
 def load(scene: Scene, key: str) -> Journal:
-    """The journal in a property of the scene, which has it; raises `Newer` or `Damaged`."""
+    """The journal in an existing property of the scene; raises `Newer` or `Damaged`."""
     stored = scene[key]
     try:
         if stored["version"] > VERSION:
@@ -56,7 +56,7 @@ def load(scene: Scene, key: str) -> Journal:
 
 
 def sound(scene: Scene, key: str) -> Journal:
-    """The journal in a property of the scene; an empty one where there is none, or one that cannot be read."""
+    """The journal in a property of the scene; an empty one if there is none, or if it cannot be read."""
     try:
         return load(scene, key) if key in scene else Journal()
     except (Newer, Damaged):
@@ -64,7 +64,7 @@ def sound(scene: Scene, key: str) -> Journal:
 
 
 def store(scene: Scene, key: str, journal: Journal) -> None:
-    """Puts a journal of changes in the scene's file into a property."""
+    """Stores a journal in a property of the scene."""
     # Pointers instead of names: they survive renaming, saving and reopening.
     # The scene itself is left out: it must not count as its own user.
     ids = {str(i): block for i, block in enumerate(journal.ids) if block not in (None, scene)}
@@ -78,7 +78,7 @@ def store(scene: Scene, key: str, journal: Journal) -> None:
 
 
 def _is_entry(entry: Any, count: int) -> bool:
-    """True if this is an entry that a journal of so many data-blocks writes."""
+    """True if this is an entry that a journal of `count` data-blocks writes."""
     if not (isinstance(entry, dict) and _is_index(entry.get("id"), count)):
         return False
     path = entry.get("path")
@@ -105,7 +105,7 @@ def _is_entry(entry: Any, count: int) -> bool:
 
 
 def _is_old(name: str, old: Any, count: int) -> bool:
-    """True if this is a value that a property may have had."""
+    """True if this is a value that a property of this name may have had."""
     if isinstance(old, dict):
         return _is_index(old.get("id"), count)
     if isinstance(old, str):

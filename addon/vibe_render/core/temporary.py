@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Data-blocks of ours that a file has only for a moment."""
+"""Temporary data-blocks: removed from the file when they are no longer needed."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Value slots: one value of a parameter in a scene, with a reader, a writer and a reason to leave it alone."""
+"""Value slots: one value of a parameter in a scene, with a reader, a writer and a lock reason."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ class ValueSlot(Protocol):
 
     @property
     def locked(self) -> str:
-        """Why it must be left alone; "" where it may change."""
+        """The reason why the value must stay as it is; "" if it may change."""
 
     def get(self) -> Any:
         """The stored value."""
 
     def set(self, journal: Journal, raw: Any) -> None:
-        """Changes it to a value in the form of `get`; does nothing where it is the same already."""
+        """Writes a value in the form of `get`; does nothing if the slot has this value already."""
 
 
 @dataclass
 class PropertySlot:
-    """A property of anything: a node socket's value, a light's energy."""
+    """A property of any Blender struct: a node socket's value, a light's energy."""
 
     owner: bpy_struct
     name: str
@@ -41,7 +41,7 @@ class PropertySlot:
         return raw if isinstance(raw, bool | int | float | str) else tuple(raw)
 
     def set(self, journal: Journal, raw: Any) -> None:
-        """As for `ValueSlot`; of an array that is longer (RGBA), the rest stays."""
+        """As for `ValueSlot`; if the property has more components than `raw` (RGBA), the others keep their values."""
         old = getattr(self.owner, self.name)
         if isinstance(raw, tuple):
             raw = (*raw, *old[len(raw) :])
@@ -50,22 +50,22 @@ class PropertySlot:
 
 
 def socket_slot(socket: NodeSocket, locked: str = "") -> PropertySlot:
-    """The slot of an unlinked socket's value: an input, or the output of a node that holds a value."""
+    """The slot of an unlinked socket's value: an input, or the output of a Value or RGB node."""
     return PropertySlot(socket, "default_value", locked)
 
 
 @dataclass
 class LazySlot:
-    """A value of a node or object of ours, which is made only when a value is written that changes the picture."""
+    """A value of a node or object that Vibe Render adds only when a value other than `identity` is written."""
 
-    find: Callable[[], ValueSlot | None]  # the slot, if its node or object is there
-    # makes that; None where it must not be made for this value alone
+    find: Callable[[], ValueSlot | None]  # returns the slot; None if its node or object does not exist
+    # adds the node or object and returns the slot; None if it must not be added for this value alone
     make: Callable[[Journal], ValueSlot | None]
-    identity: Any  # the value that changes nothing
+    identity: Any  # the value at which the node or object has no effect
     locked: str = ""
 
     def get(self) -> Any:
-        """The stored value, or the identity."""
+        """The stored value, or `identity` if the node or object does not exist."""
         slot = self.find()
         return slot.get() if slot else self.identity
 
@@ -83,8 +83,8 @@ class DerivedSlot:
     """A number that follows from the value of another slot."""
 
     inner: ValueSlot
-    read: Callable[[Any], float]  # from the inner value
-    written: Callable[[Any, float], Any]  # the inner value for another number, from the present one
+    read: Callable[[Any], float]  # this number, from the inner slot's value
+    written: Callable[[Any, float], Any]  # (present inner value, new number) -> new inner value
 
     @property
     def locked(self) -> str:
@@ -115,7 +115,10 @@ class _JointSlot:
 
 
 def together(slots: Sequence[ValueSlot]) -> ValueSlot | None:
-    """One slot for those that may change, with the first one's value; one that says why if none may; None without any."""
+    """A slot that reads the first unlocked slot and writes all unlocked ones.
+
+    If all are locked, the first of them, with its reason. None if `slots` is empty.
+    """
     free = [slot for slot in slots if not slot.locked]
     if len(free) > 1:
         return _JointSlot(free)
@@ -123,5 +126,5 @@ def together(slots: Sequence[ValueSlot]) -> ValueSlot | None:
 
 
 def same(a: Any, b: Any) -> bool:
-    """True if two numbers, or sequences of some, are equal as the 32-bit floats that Blender stores."""
+    """True if two numbers or sequences of numbers are equal as the 32-bit floats that Blender stores."""
     return bool(np.array_equal(np.float32(a), np.float32(b)))

@@ -27,9 +27,10 @@ _Item: TypeAlias = messages.Message | schema.VibeError | None  # None: the engin
 
 
 class Engine:
-    """A running engine. It stays warm between vibes; it ends when Blender does.
+    """The engine's process. It keeps running between vibes, and ends with Blender.
 
-    An engine that is not found, cannot be started, has another schema, reports an error or is gone is a VibeError.
+    Methods raise a VibeError if the engine is not found, cannot be started, has another schema, reports an error or has
+    ended.
 
     Args:
         python: As for `find_python`.
@@ -49,10 +50,10 @@ class Engine:
         self._process: subprocess.Popen[bytes] | None = None
         self._inbox: queue.Queue[_Item] = queue.Queue()
         self._readings: queue.Queue[messages.Readings] = queue.Queue()
-        self._busy = False  # the engine works on an answer
-        self._abandoned = False  # nobody waits for that answer any more
+        self._busy = False  # the engine works on a request
+        self._abandoned = False  # nobody waits for its answer any more
         self._abandoned_at = 0.0
-        self._exit_error: schema.VibeError | None = None  # the same for every thread
+        self._exit_error: schema.VibeError | None = None  # raised in every thread
         self._exit_lock, self._start_lock, self._send_lock = (threading.Lock() for _ in range(3))
 
     @property
@@ -61,7 +62,7 @@ class Engine:
         return self._process is not None and self._process.poll() is None
 
     def start(self) -> None:
-        """Starts the process, unless it runs; its first message is `Ready`. Any thread may call this."""
+        """Starts the process if it does not run; its first message is `Ready`. Any thread may call this."""
         with self._start_lock:
             if self.alive:
                 return
@@ -89,7 +90,7 @@ class Engine:
         """Sends one message. Any thread may call this."""
         process = self._process
         if process is None or process.stdin is None:
-            with self._exit_lock:  # another thread may be about to find out
+            with self._exit_lock:  # another thread may be finding out why the engine ended
                 raise self._exit_error or schema.VibeError("The engine is not running.", "Start it first.")
         try:
             with self._send_lock:
@@ -109,7 +110,7 @@ class Engine:
                 return arrived
 
     def poll_readings(self) -> messages.Readings | None:
-        """The newest readings of words that have arrived since the last call; they come between the answers to other requests."""
+        """The newest `Readings` since the last call, or None; `poll` does not return them."""
         newest = None
         with contextlib.suppress(queue.Empty):
             while True:
@@ -117,7 +118,10 @@ class Engine:
         return newest
 
     def abandon(self) -> None:
-        """Gives up the vibe that the engine works on. It stays warm, unless it has not ended the last such vibe yet."""
+        """Gives up the request that the engine works on, and asks the engine to stop it.
+
+        If an earlier request that was given up has not ended yet, the engine's process is ended.
+        """
         if not self._busy:
             return
         if self._abandoned:
@@ -128,7 +132,7 @@ class Engine:
             self._abandoned, self._abandoned_at = True, time.monotonic()
 
     def settle(self) -> bool:
-        """Drops the messages of an abandoned vibe; returns whether the next request may be sent. A hanging engine is ended."""
+        """Drops messages of an abandoned request; returns whether the next one may be sent. Ends a hanging engine."""
         while self._abandoned:
             try:
                 item = self._inbox.get_nowait()
@@ -143,12 +147,12 @@ class Engine:
         return True
 
     def stop(self, patience: float = 3.0) -> None:
-        """Asks the process to quit, and ends it if it does not within so many seconds."""
+        """Asks the process to quit; terminates it, then kills it, each after `patience` seconds."""
         process, self._process = self._process, None
         atexit.unregister(self.stop)
         if process is None:
             return
-        # An engine that hangs may have a thread waiting in `send`: then it is ended without a word.
+        # If the engine hangs, a thread may be blocked in `send`: then the engine is ended without `Quit`.
         if self._send_lock.acquire(timeout=patience):
             with contextlib.suppress(OSError, ValueError):
                 process.stdin.write(messages.encode(messages.Quit()))  # type: ignore[union-attr]
@@ -180,7 +184,7 @@ class Engine:
         return item
 
     def _report_exit(self) -> schema.VibeError:
-        """The error to raise when the process has ended by itself."""
+        """The error to raise when the process has ended unexpectedly; always the same one."""
         with self._exit_lock:
             self._exit_error = self._exit_error or self._describe_exit()
             return self._exit_error
@@ -203,7 +207,7 @@ class Engine:
         )
 
     def _receive(self, stream: BinaryIO, inbox: queue.Queue[_Item]) -> None:
-        """Puts what arrives into the inbox, or among the readings, until the output ends."""
+        """Sorts arriving messages into inbox and readings until the output ends; then puts None into the inbox."""
         try:
             with stream:
                 for message in messages.read(stream):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Python environment of the engine: found, or set up with its packages and a build of torch that suits the computer. No bpy here."""
+"""The Python environment of the engine: finds it, or sets it up with a build of torch for this computer. No bpy here."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from ..core.schema_import import schema
 _ADDON = Path(__file__).resolve().parents[1]
 ENVIRONMENT_VARIABLE = "VIBE_ENGINE"
 BUILT_FROM = _ADDON / "engine.txt"
-"""Written when the extension is built: the Python that built it, on this machine."""
+"""File with the path of the Python that built the extension; valid only on the computer of the build."""
 
 CARRIED = _ADDON / "carried"
-"""The engine's code in a built extension: its environment then holds only the packages that it needs."""
+"""Folder with the engine's code in a built extension; the environment then has only the packages that the code needs."""
 
 _CLONE = _ADDON.parents[1]
 _NEEDED = ("torch", "open_clip", "trimesh", "PyOpenColorIO", "proxy_renderer")
@@ -38,7 +38,7 @@ _HELP = (
     f"virtual environment) and choose that environment's folder there or in {ENVIRONMENT_VARIABLE}."
 )
 
-_VERSIONS = ((3, 11), (3, 12), (3, 13))  # of Python: every package has wheels for them
+_VERSIONS = ((3, 11), (3, 12), (3, 13))  # of Python, for which every package has wheels
 _PROGRESS = re.compile(r"Progress (\d+) of (\d+)")
 _UNREACHABLE = r"NewConnectionError|Temporary failure|Network is unreachable|ConnectTimeout|ProxyError|SSLError|ReadTimeoutError"
 _OUT_OF_REACH = "Check that pip's index can be reached from here, then press Set Up Engine again."
@@ -46,9 +46,10 @@ _AGAIN = "Press Set Up Engine again, or install it by hand (docs/install.md, On 
 
 
 def find_python(chosen: str = "") -> Path:
-    """The Python that has the engine; a VibeError without one.
+    """The Python that has the engine; raises VibeError if there is none.
 
-    It is searched, unless a Python or the folder of its environment is chosen here, or by VIBE_ENGINE.
+    Args:
+        chosen: A Python, or the folder of its environment; VIBE_ENGINE overrides it. "" searches the usual places.
     """
     chosen = os.environ.get(ENVIRONMENT_VARIABLE, "") or chosen
     if chosen:
@@ -65,7 +66,7 @@ def find_python(chosen: str = "") -> Path:
 def engine_environment() -> dict[str, str]:
     """The environment variables that the engine runs with."""
     variables = {k: v for k, v in os.environ.items() if k not in ("PYTHONHOME", "PYTHONSTARTUP")}
-    # An extension uses the engine that it carries, a clone's add-on its own clone's: they speak one schema.
+    # The engine's code that the extension carries, or the clone's: so add-on and engine have the same schema.
     code = next(
         (p for p in (CARRIED, _CLONE) if (p / "proxy_renderer" / "engine" / "worker.py").is_file()), None
     )
@@ -76,7 +77,7 @@ def engine_environment() -> dict[str, str]:
 
 
 def has_engine(python: Path) -> bool:
-    """True if this Python runs and has the engine's packages; it is started for that, but imports nothing."""
+    """True if this Python runs and finds the engine's packages; starts it, but imports none of them."""
     try:
         done = subprocess.run(
             [python, "-c", _PROBE], env=engine_environment(), capture_output=True, timeout=20
@@ -106,7 +107,10 @@ def own_group() -> dict:
 
 
 def python_of(place: Path) -> Path | None:
-    """The Python at a place: itself, an environment or its commands. Resolving links would leave that."""
+    """The Python at a path: an executable, or in an environment's folder or its bin folder; None if there is none.
+
+    Links are not resolved, because they lead out of the environment.
+    """
     if place.is_file():
         return place
     names = ("bin/python3", "bin/python", "Scripts/python.exe", "python3", "python", "python.exe")
@@ -119,36 +123,36 @@ class TorchBuild:
 
     key: str
     name: str  # for buttons
-    index: str  # address of the package index that has it; "" for the one that pip uses anyway
+    index: str  # address of the package index that has it; "" for pip's default index
     download: float  # of all packages, GB
-    disk: float  # room that they take, GB
+    disk: float  # disk space that they take, GB
 
 
 CPU = TorchBuild("CPU", "Processor", "https://download.pytorch.org/whl/cpu", 0.3, 1.1)
 CUDA = TorchBuild("CUDA", "NVIDIA Card", "", 2.5, 5.8)
 USUAL = TorchBuild("USUAL", "Usual", "", 0.3, 1.1)
-"""Of Windows and macOS: the Python Package Index has no CUDA libraries for them."""
+"""The only build for Windows and macOS: the Python Package Index has no CUDA libraries for them."""
 
 
 def choices() -> tuple[TorchBuild, ...]:
-    """The builds that there are for this system."""
+    """The builds that exist for this operating system."""
     return (CPU, CUDA) if sys.platform == "linux" else (USUAL,)
 
 
 def suggested() -> TorchBuild:
-    """The one that suits this computer."""
+    """The build that suits this computer."""
     return choices()[-1] if has_nvidia_card() else choices()[0]
 
 
 def by_key(key: str) -> TorchBuild:
-    """The build of a key."""
+    """The build with this key."""
     return next(build for build in choices() if build.key == key)
 
 
 def has_nvidia_card(root: Path = Path("/")) -> bool:
-    """True if NVIDIA's driver runs a card on this Linux; the open driver runs no CUDA."""
+    """True if this is Linux with a card that NVIDIA's own driver runs; other drivers cannot run CUDA."""
     cards = (root / "proc/driver/nvidia/gpus").glob("*")
-    return any(cards) or (root / "usr/lib/wsl/lib/libcuda.so.1").is_file()  # under Windows, its driver's
+    return any(cards) or (root / "usr/lib/wsl/lib/libcuda.so.1").is_file()  # in WSL
 
 
 _INDEX = "the Python Package Index (pypi.org, or the one that your pip uses)"
@@ -161,7 +165,7 @@ def download_text(build: TorchBuild, folder: Path) -> list[str]:
         f"Python packages, {source} {_INDEX}: about {build.download} GB to download, once.",
         f"They take {build.disk} GB in {folder}. Nothing else on this computer changes.",
     ]
-    advice = {  # whether a card was found, and the build
+    advice = {  # (whether a card was found, the build) -> a sentence
         (True, CUDA): "This computer has an NVIDIA card that it can use.",
         (True, CPU): "This computer has an NVIDIA card; this engine would not use it.",
         (False, CPU): "No NVIDIA card was found, and none is needed.",
@@ -171,7 +175,7 @@ def download_text(build: TorchBuild, folder: Path) -> list[str]:
 
 
 def requirements() -> list[str]:
-    """The engine's requirements for pip; in a clone a VibeError, as only a built extension carries the engine's code."""
+    """The engine's requirements for pip; raises VibeError in a clone: only a built extension carries the engine's code."""
     try:
         lines = (CARRIED / "requirements.txt").read_text(encoding="utf-8").splitlines()
     except OSError as error:
@@ -183,11 +187,11 @@ def requirements() -> list[str]:
 
 
 class EngineSetup:
-    """Makes an environment in a thread; a failure or `cancel` leaves nothing behind, and an older environment as it was."""
+    """Makes an environment in a thread. A failure or `cancel` leaves nothing behind, and an older environment unchanged."""
 
     def __init__(self, folder: Path, packages: list[str], build: TorchBuild) -> None:
         self.folder, self._packages, self._build = folder, packages, build
-        self._part = folder.with_name(f"{folder.name}.part")  # nobody looks for an engine there
+        self._part = folder.with_name(f"{folder.name}.part")  # no engine is searched here
         self.text = "Starting"  # the present step, for the panel
         self.fraction: float | None = None  # of the present download, from 0 to 1; None while there is none
         self._process: subprocess.Popen[str] | None = None
@@ -197,11 +201,11 @@ class EngineSetup:
 
     @property
     def running(self) -> bool:
-        """True if it is being made."""
+        """True while the environment is being made."""
         return not self._work.done()
 
     def finish(self) -> None:
-        """Waits for the end; a VibeError says that the environment could not be made, or `cancel` was called."""
+        """Waits for the end; raises VibeError if the environment could not be made or `cancel` was called."""
         self._work.result()
 
     def cancel(self) -> None:
@@ -246,14 +250,14 @@ class EngineSetup:
     def _install(self) -> None:
         """Installs the packages, torch first where it comes from another index."""
         pip = (python_of(self._part), "-m", "pip", "--disable-pip-version-check", "--no-input", "install")
-        with contextlib.suppress(schema.VibeError):  # an old pip only reports downloads less well
+        with contextlib.suppress(schema.VibeError):  # an older pip only reports less progress
             self._run("Updating pip", *pip, "--upgrade", "pip")
-        # Its version is in the name of its record.
+        # pip's version is in the name of its dist-info folder.
         names = [p.name for p in self._part.glob("[Ll]ib/**/pip-*.dist-info")]
         found = re.match(r"pip-(\d+)\.(\d+)", max(names, default=""))
         new = found is not None and tuple(map(int, found.groups())) >= (24, 1)
         progress = ("--progress-bar", "raw") if new else ()
-        # Compiling thousands of modules, of which an engine uses some, would take most of a minute.
+        # Compiling thousands of modules would take most of a minute, and the engine uses only some of them.
         pip = (*pip, "--no-compile", *progress)
         if self._build.index:  # first: with both indices at once, pip would take the newer torch
             text = f"Looking for torch at {urlsplit(self._build.index).netloc}"
@@ -261,7 +265,7 @@ class EngineSetup:
         self._run("Looking for packages", *pip, *self._packages)
 
     def _run(self, text: str, *command: object) -> None:
-        """Runs a command to its end and follows its output."""
+        """Runs a command to its end and takes `text` and `fraction` from its output."""
         if self._canceled:
             raise schema.VibeError("Canceled.", _AGAIN)
         self.text, self.fraction = text, None
@@ -279,7 +283,7 @@ class EngineSetup:
             raise _failure(text, last)
 
     def _follow(self, line: str) -> None:
-        """One line of pip's."""
+        """Updates `text` and `fraction` from a line of pip's output."""
         if match := _PROGRESS.match(line):
             done, whole = map(int, match.groups())
             self.fraction = done / whole if whole else None
@@ -322,7 +326,7 @@ def _environment() -> dict[str, str]:
 
 
 def _failure(text: str, lines: collections.deque[str]) -> schema.VibeError:
-    """The error that a command's last lines mean."""
+    """The error for a failed command, from the last lines of its output."""
     output = "\n".join(lines)
     if "No space left" in output:
         return schema.VibeError("There is not enough room on the disk.", "Make room, then try again.")

@@ -77,9 +77,10 @@ class SceneAnalysis:
 
 
 def check_scene(scene: bpy.types.Scene) -> None:
-    """Makes names readable, and raises a VibeError for a camera that is panoramic, no camera at all, or nowhere.
+    """Makes names readable, and raises a VibeError if the scene's camera cannot be used.
 
-    No camera passes: one will be added.
+    Refused are panoramic cameras, objects of another type, and a matrix that is not finite. A scene without a camera is
+    accepted: one will be added.
     """
     names.make_readable()
     camera = scene.camera
@@ -96,7 +97,7 @@ def check_scene(scene: bpy.types.Scene) -> None:
 
 
 def capture(scene: bpy.types.Scene) -> SceneCapture:
-    """Copies what a render of the scene shows, which stays as it is; a VibeError without a usable camera."""
+    """Copies what a render of the scene shows; changes only unreadable names. Raises VibeError without a usable camera."""
     if scene.camera is None:
         raise schema.VibeError("The scene has no camera.", "Add one, and aim it at the subject.")
     check_scene(scene)
@@ -105,7 +106,7 @@ def capture(scene: bpy.types.Scene) -> SceneCapture:
 
 
 def data_blocks() -> frozenset[tuple[str, str]]:
-    """Kind and name of the objects and materials that the file has now."""
+    """(kind, name) of all objects and materials in the file, such as ("object", "Cube")."""
     objects = (("object", o.name_full) for o in bpy.data.objects)
     return frozenset(objects) | {("material", m.name_full) for m in bpy.data.materials}
 
@@ -113,10 +114,10 @@ def data_blocks() -> frozenset[tuple[str, str]]:
 def analyze(
     scene: bpy.types.Scene, choice: subject.SubjectChoice, visible_scene: VisibleScene | None = None
 ) -> SceneAnalysis:
-    """Analyzes a scene, which stays as it is; what its camera sees is captured if it is missing.
+    """Analyzes a scene without changing it. If `visible_scene` is None, the scene is captured first.
 
     Raises:
-        VibeError: There is no mesh, no usable camera, no mesh in view, or no such subject.
+        VibeError: There is no mesh, no usable camera, no mesh in view, or no subject as chosen.
     """
     visible_scene = visible_scene or capture(scene).visible_scene()
     geometry, visible = visible_scene.geometry, visible_scene.visible
@@ -135,7 +136,7 @@ def analyze(
 
 
 def _no_mesh(scene: bpy.types.Scene) -> schema.VibeError:
-    """The error for a scene that shows nothing; what it has may be excluded, or in another scene of the file."""
+    """The error for a scene without a visible mesh; names another scene with meshes or an excluded collection, if any."""
     full = [s.name for s in bpy.data.scenes if s != scene and any(o.type in GEOMETRY for o in s.objects)]
     if full:
         message = f'The scene "{scene.name}" has no mesh that a render shows.'
@@ -148,7 +149,7 @@ def _no_mesh(scene: bpy.types.Scene) -> schema.VibeError:
 
 
 def with_subject_of(analysis: SceneAnalysis, first_shot: SceneAnalysis) -> SceneAnalysis:
-    """The analysis of a shot with the first one's subject and pivot; a VibeError if that is hidden."""
+    """The analysis of a shot with the first shot's subject and pivot; raises VibeError if this subject is hidden."""
     names = {o.name_full for o in first_shot.objects}
     objects = analysis.geometry.objects
     is_subject = np.array([name in names or parent in names for name, parent in objects])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The artist's compositor as a table of colors, where it changes each pixel's color by that color alone."""
+"""The artist's compositor as a color table (LUT), if the output color of a pixel depends only on its input color."""
 
 from __future__ import annotations
 
@@ -20,15 +20,16 @@ from ..scene.copies import copied_scene, viewer
 SIZE = 33
 """Colors along each axis of the table."""
 TABLE_TOE, TABLE_STOPS = schema.radiometry.TABLE_TOE, schema.radiometry.TABLE_STOPS
-_SIDE = math.isqrt(SIZE**3 - 1) + 1
-_TOLERANCE = 0.02  # stops
+_SIDE = math.isqrt(SIZE**3 - 1) + 1  # pixels, of a square image with all colors of the table
+_TOLERANCE = 0.02  # in units of `_in_stops`
 
 
 def color_table(scene: bpy.types.Scene) -> np.ndarray | None:
-    """Scene-linear colors after the compositor: (SIZE, SIZE, SIZE, 3), in stops, indexed by blue, green, red.
+    """Scene-linear colors after the compositor, (SIZE, SIZE, SIZE, 3), on the scale of `_in_stops`.
 
-    None where it leaves colors alone, and where the table could not tell: where the place of a pixel or what is around it
-    counts, or more goes in than the image of the first rendered view layer.
+    The axes are the input's blue, green and red, evenly spaced on the same scale from 0 to TABLE_STOPS. None if the
+    compositor leaves colors alone, and if no table can describe it: the result depends on a pixel's position or on its
+    neighbors, or the compositor reads more than the image of the first rendered view layer.
     """
     if rendered.changing_compositor(scene) is None:
         return None
@@ -36,7 +37,7 @@ def color_table(scene: bpy.types.Scene) -> np.ndarray | None:
     blue, green, red = np.meshgrid(axis, axis, axis, indexing="ij")
     colors = np.zeros((_SIDE**2, 3), np.float32)
     colors[: SIZE**3] = np.stack((red, green, blue), -1).reshape(-1, 3)
-    # The same colors in other places tell whether places count.
+    # The same colors at other pixels show whether the position matters.
     order = np.random.default_rng(0).permutation(len(colors))
     image = bpy.data.images.new("Vibe Colors", _SIDE, _SIDE, float_buffer=True, is_data=True)
     size = {"resolution_x": _SIDE, "resolution_y": _SIDE, "resolution_percentage": 100}
@@ -56,7 +57,7 @@ def color_table(scene: bpy.types.Scene) -> np.ndarray | None:
 
 
 def _layers(tree: bpy.types.NodeTree | None) -> Iterator[bpy.types.Node]:
-    """The Render Layers nodes that are linked in a tree and in its groups; grades of ours are muted on the way."""
+    """The linked Render Layers nodes of a tree and its groups; also mutes Vibe Render's own grades."""
     for node in tree.nodes if tree else ():
         if node.bl_idname == "CompositorNodeRLayers" and any(s.is_linked for s in node.outputs):
             yield node
@@ -66,13 +67,13 @@ def _layers(tree: bpy.types.NodeTree | None) -> Iterator[bpy.types.Node]:
 
 
 def _is_plain(node: bpy.types.Node, scene: bpy.types.Scene) -> bool:
-    """True if nothing but the image of the scene's first rendered view layer comes from a Render Layers node."""
+    """True if a Render Layers node passes on only the image of the scene's first rendered view layer."""
     names = {socket.name for socket in node.outputs if socket.is_linked}
     return names == {"Image"} and node.scene in (None, scene) and node.layer == rendered.layer(scene).name
 
 
 def _composited(twin: bpy.types.Scene, image: bpy.types.Image, colors: np.ndarray) -> np.ndarray:
-    """Colors (N, 3) of an image that goes into the compositor after it, pixel by pixel."""
+    """The compositor's output for `image` filled with these colors: (N, 3) like the input, one color a pixel."""
     image.pixels.foreach_set(np.insert(colors, 3, 1.0, axis=1).ravel())
     image.update()
     with tempfile.TemporaryDirectory(prefix="vibe-") as folder, viewer(twin, lambda _: None):
@@ -82,4 +83,5 @@ def _composited(twin: bpy.types.Scene, image: bpy.types.Image, colors: np.ndarra
 
 
 def _in_stops(colors: np.ndarray) -> np.ndarray:
+    """Linear colors c of any shape as sign(c) · log2(|c| / TABLE_TOE + 1): stops, but 0 at black."""
     return np.sign(colors) * np.log2(np.abs(np.nan_to_num(colors)) / TABLE_TOE + 1)

@@ -25,11 +25,11 @@ _REASON = "it is not a number in Blender"
 
 FORMAT = 1
 _OF_WORDS = ("camera", "light", "material")
-"""Groups of parameters that say what words may mean: where lights stand, and what glows."""
+"""Groups of parameters that a sketch needs to explain words: positions of lights, emission of materials."""
 
 
 def _finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, schema.Instance], list[str]]:
-    """The parameters, with locked default values for those that are not finite, and warnings that name these."""
+    """The parameters, with a locked default in place of each value that is not finite, and a warning for each of them."""
     finite, warnings = {}, []
     for key, instance in read.items():
         if not all(map(math.isfinite, instance.value)):
@@ -44,7 +44,7 @@ def _finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, sc
 
 
 def _finite_content(value: Any, path: str, warnings: list[str]) -> Any:
-    """A copy of nested dicts and lists with 0 for what is not finite, and a warning with its path."""
+    """A copy of nested dicts and lists with 0 in place of numbers that are not finite; adds a warning for each."""
     if isinstance(value, Mapping):
         return {
             key: _finite_content(item, f"{path}/{key}" if path else key, warnings)
@@ -66,23 +66,23 @@ class SceneJob:
 
     folder: Path
     analysis: SceneAnalysis
-    instances: dict[str, schema.Instance]  # its parameters, by key
-    # those of the lights, and of the backdrop, that are added if the words ask for them
+    instances: dict[str, schema.Instance]  # the scene's parameters, by key
+    # parameters of lights and of a backdrop that are added only if words ask for them
     standby: dict[str, schema.Instance] = field(default_factory=dict)
-    # what the engine sees only approximately, in words for the artist, after `view_notes`
+    # notes for the artist: first `view_notes`, then what the engine only approximates
     warnings: list[str] = field(default_factory=list)
-    # what spoils the picture whatever its look, in words for the artist
+    # notes for the artist on faults of the camera's view, which no look can cure
     view_notes: list[str] = field(default_factory=list)
-    filling: str = ""  # the object that fills the picture; "" where several are seen
+    filling: str = ""  # the object that fills the image; "" if others are visible
 
     @property
     def before(self) -> dict[str, schema.Instance]:
-        """The values before a vibe: the scene's parameters, and those of a backdrop, which starts as the world is."""
+        """The parameters before a vibe: the scene's, and those of a possible backdrop, which starts out like the world."""
         backdrop = {key: i for key, i in self.standby.items() if i.parameter.group == "world"}
         return {**self.instances, **backdrop}
 
     def with_additions_of(self, values: Mapping[str, Sequence[float]]) -> SceneJob:
-        """The job of the scene with those additions on standby, and copies of materials, that values (by key) use."""
+        """The job with the standby lights and backdrop, and the copies of materials, to which `values` (by key) belong."""
         owners = {schema.split_key(key)[1] for key in values if key in self.standby}
         added = {key: i for key, i in self.standby.items() if i.owner in owners}
         return replace(self, instances={**self.instances, **added, **copied_values(self.instances, values)})
@@ -91,7 +91,7 @@ class SceneJob:
 def copied_values(
     instances: Mapping[str, schema.Instance], keys: Iterable[str]
 ) -> dict[str, schema.Instance]:
-    """The parameters of copies of materials among keys, with the values that the copies start with."""
+    """The parameters of the copies of materials among `keys`, with the values of the copied materials."""
     sources = {
         key: instances.get(schema.material_copies.copied_key(key)) for key in keys if key not in instances
     }
@@ -101,7 +101,8 @@ def copied_values(
 def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> SceneJob:
     """Writes the job folder, `scene.json` last and atomically.
 
-    Without measuring textures and world, which may need renders, it only serves to explain words.
+    Args:
+        measure: Whether to export textures and world, which may need renders. A job without them only explains words.
     """
     folder.mkdir(parents=True, exist_ok=True)
     scene, geometry = analysis.scene, analysis.geometry
@@ -124,7 +125,7 @@ def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> Sc
             f'The compositor "{tree.name}" changes the image after the render. The prediction and the search leave it '
             "out; the final picture has it."
         )
-    # Parameters of materials that the camera sees only by their light.
+    # Parameters of materials outside the camera's view: their light may still be visible.
     every = bindings.instances(scene, analysis.objects, analysis.pivot, groups=("material",), everything=True)
     unseen = _finite_instances({key: i for key, i in every.items() if i.owner in {*geometry.materials}})[0]
     world, note = _write_world(scene, folder) if measure else ({"kind": "color"}, "")
@@ -150,7 +151,10 @@ def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> Sc
 
 
 def write_sketch(analysis: SceneAnalysis, folder: Path) -> None:
-    """Writes all that words can refer to: a job folder without textures, world and fog. Nothing is rendered."""
+    """Writes a job folder without textures, world and fog: all that words can refer to.
+
+    The only renders are small ones for lights whose nodes have no plain factor (`bake.mean_light_factor`).
+    """
     folder.mkdir(parents=True, exist_ok=True)
     bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot, _OF_WORDS)
     materials = _unmeasured(analysis)
@@ -163,7 +167,7 @@ def write_sketch(analysis: SceneAnalysis, folder: Path) -> None:
 
 
 def _unmeasured(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
-    """All materials of a scene by name, without what their nodes compute."""
+    """All materials of a scene by name, without computed inputs."""
     by_name = {m.name_full: m for m in bpy.data.materials}
     exported = [export_material(by_name.get(name), {}) for name in analysis.geometry.materials]
     return {each.row["name"]: each for each in exported}
@@ -208,7 +212,7 @@ def _write(content: dict[str, Any], analysis: SceneAnalysis, folder: Path, warni
 
 
 def _write_world(scene: bpy.types.Scene, folder: Path) -> tuple[dict[str, Any], str]:
-    """The world's entry in scene.json, and a note on what is approximated of it."""
+    """Writes the world's images; returns its entry in scene.json, and a note on what is approximated ("" for none)."""
     world = rendered.world(scene)
     pictures = world_light.pictures(world)
     row: dict[str, Any] = {
@@ -226,7 +230,7 @@ def _write_world(scene: bpy.types.Scene, folder: Path) -> tuple[dict[str, Any], 
 def _material_notes(
     analysis: SceneAnalysis, materials: Mapping[str, ExportedMaterial]
 ) -> dict[str, list[str]]:
-    """Notes on the materials that the camera sees, those that fill most of the picture first."""
+    """Notes on each visible material by name, the one that fills most of the image first."""
     seen = analysis.visible.material
     counts = np.bincount(seen[seen >= 0].ravel(), minlength=len(analysis.geometry.materials))
     order = np.argsort(-counts, kind="stable")
@@ -235,14 +239,14 @@ def _material_notes(
 
 
 def read_parameters(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
-    """The scene's parameters by key, with those of a possible backdrop; unlike `write_job`, renders and writes nothing."""
+    """The parameters of the scene and of a possible backdrop, by key; unlike `write_job`, renders and writes nothing."""
     bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot)
     finite = _finite_instances(_with_materials(bound, analysis, {}))[0]
     return {**finite, **view.standby_backdrop(analysis, finite)}
 
 
 def _roles(analysis: SceneAnalysis) -> dict[str, str]:
-    """Of every material: "subject" if the subject shows it, else "surroundings"."""
+    """The role of each material, by name: "subject" if a face of the subject has it, otherwise "surroundings"."""
     geometry = analysis.geometry
     theirs = set(geometry.material[analysis.is_subject[geometry.object]].tolist())
     return {
@@ -254,7 +258,7 @@ def _roles(analysis: SceneAnalysis) -> dict[str, str]:
 def _with_materials(
     bound: Mapping[str, schema.Instance], analysis: SceneAnalysis, materials: Mapping[str, ExportedMaterial]
 ) -> dict[str, schema.Instance]:
-    """The bound parameters with the roles that the render shows, and locked ones for what bindings cannot read."""
+    """The bound parameters, with roles of materials from the analysis, and locked ones for values only the export knows."""
     roles = _roles(analysis)
     instances = {
         key: replace(i, role=roles.get(i.owner, i.role)) if i.parameter.group == "material" else i

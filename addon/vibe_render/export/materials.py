@@ -32,7 +32,7 @@ APPROXIMATE: dict[str, dict[str, tuple[float, ...]]] = {
     "ShaderNodeBsdfGlass": {"transmission": (1.0,)},
     "ShaderNodeEmission": {"base_color": (0.0, 0.0, 0.0), "specular": (0.0,)},
 }
-"""The other shaders as Principled BSDFs."""
+"""Inputs of the Principled BSDF that stands for each other shader."""
 BLACK: dict[str, tuple[float, ...]] = {"base_color": (0.0, 0.0, 0.0), "specular": (0.0,), "roughness": (1.0,)}
 CONSTANTS = {
     "coat_ior": "Coat IOR",
@@ -53,13 +53,13 @@ _SOCKETS = {name: p.blender.removeprefix("Principled BSDF > ") for name, p in _P
 COMPUTED = {"alpha": "Alpha", "normal": "Normal"} | {
     name: socket for name, socket in _SOCKETS.items() if name not in ("ior", "tint", "recolor")
 }
-"""Inputs that nodes may compute, and what the Principled BSDF calls them."""
+"""Inputs that nodes may compute, and the names of their sockets on the Principled BSDF."""
 UNIFORM = {"specular", "specular_tint", "coat_roughness", "sheen"}
-"""Those of them that the engine takes for the same everywhere."""
+"""Inputs of `COMPUTED` for which the engine takes no texture: the mean stands for them."""
 
 PRINCIPLED = "ShaderNodeBsdfPrincipled"
 EXACT = {PRINCIPLED, "ShaderNodeBsdfDiffuse", "ShaderNodeEmission"}
-"""Shaders that the engine has as they are."""
+"""Shaders that the engine renders without approximation."""
 
 COLORS = ("base_color", "emission_color", "specular_tint")
 
@@ -67,35 +67,35 @@ COLORS = ("base_color", "emission_color", "specular_tint")
 _TINTED = ("base_color", "emission_color", "emission")
 """Computed inputs that a parameter multiplies."""
 NO_MATERIAL = "(no material)"
-"""Name of faces without a material; Blender would not give it."""
+"""Name of the entry for faces without a material."""
 
 
 @dataclass
 class ExportedMaterial:
-    """A material."""
+    """A material as the engine gets it: a Principled BSDF."""
 
-    row: dict[str, Any]  # its entry in scene.json, but for the role and the pictures
-    # inputs that vary, by name: "base_color", "alpha", "normal", or a parameter's; "far" is the base color as mirrors
-    # may show it
+    row: dict[str, Any]  # its entry in scene.json, without role and textures
+    # textures by input: "base_color", "alpha", "normal" or the name of a parameter; "far" is the base color of a flat
+    # surface also outside the camera's view, for mirrors
     pictures: dict[str, ExportedTexture] = field(default_factory=dict)
-    # values that bindings cannot know: of other shaders, and means of computed inputs
+    # values that bindings cannot read: those that stand for other shaders, and means of computed inputs
     values: dict[str, schema.Values] = field(default_factory=dict)
     reason: str = ""  # the reason why those values are locked
-    # what is only approximate about it, each a sentence without its full stop
+    # approximations, each a sentence without its period
     notes: list[str] = field(default_factory=list)
 
 
 def uv_of(material: bpy.types.Material) -> tuple[str, np.ndarray]:
-    """The UV map that a material's textures are laid over, and the 3x3 matrix of its mapping."""
+    """The UV map of a material's base color or alpha texture ("" for the active one), and its 3x3 mapping matrix."""
     origins = computed_inputs(material)
     origin = origins.get("base_color") or origins.get("alpha")
     return uv_mapping(origin.source if origin else None)
 
 
 def computed_inputs(material: bpy.types.Material | None) -> dict[str, ValueOrigin | None]:
-    """The origins of a material's computed inputs, before our tint; None for the normal that Displacement makes.
+    """Origins of a material's computed inputs, by input, before Vibe Render's tint.
 
-    Besides inputs of the Principled BSDF: the channels of `Mixture`.
+    Inputs are those of `COMPUTED` and the channels of `Mixture`. The origin of "normal" is None if Displacement makes it.
     """
     if material is None or not layers.by_prominence(material):
         return {}
@@ -117,7 +117,7 @@ def computed_inputs(material: bpy.types.Material | None) -> dict[str, ValueOrigi
 def export_material(
     material: bpy.types.Material | None, measured: Mapping[str, MeasuredChannel]
 ) -> ExportedMaterial:
-    """Describes a material, or faces without one, by what was measured of its `computed_inputs`."""
+    """Describes a material (None: faces without one), given the measurements of its `computed_inputs`."""
     if material is None:
         values = {**DEFAULTS, **APPROXIMATE["ShaderNodeBsdfDiffuse"]}
         return ExportedMaterial(_row(NO_MATERIAL, "approximate"), {}, values, "it has no material")
@@ -175,7 +175,7 @@ def _row(name: str, model: str) -> dict[str, Any]:
 
 
 def _constants(base: layers.Layer, mixture: Mixture, row: dict[str, Any]) -> None:
-    """Inputs that no vibe changes."""
+    """Adds the inputs that no vibe changes to a material's row."""
     for name, socket in CONSTANTS.items():
         entry = base.shader.input(socket)
         if entry is not None:
@@ -196,7 +196,7 @@ def _mixed(
     mixture: Mixture,
     measured: Mapping[str, MeasuredChannel],
 ) -> None:
-    """Adds what shaders give together: their color, the opacity that transparent ones leave, the weight of the glow."""
+    """Adds the sums of mixed shaders: base color, opacity, and emission color times the share of the Emission node."""
     window = next((c.picture for name, c in measured.items() if name.startswith("mix")), None)
     frame = window or ExportedTexture(np.ones((1, 1, 1), np.float32))
     if len(mixture.colors) > 1:
@@ -210,16 +210,16 @@ def _mixed(
     share = mixture.glow(measured)
     if share is not None:
         channel = measured.get("emission_color")
-        color = channel.values if channel else np.ones((1, 1, 3), np.float32)  # a plain one is a parameter
+        color = channel.values if channel else np.ones((1, 1, 3), np.float32)  # plain: parameter
         result.pictures["emission_color"] = replace(frame, image=(share * color).astype(np.float32))
 
 
 def _varying(result: ExportedMaterial, measured: Mapping[str, MeasuredChannel], mixture: Mixture) -> None:
-    """Adds what nodes compute: pictures where the engine takes them, means of the others."""
+    """Adds the computed inputs: as a texture if the engine takes one, otherwise as the mean."""
     cut = mixture.cutout()
     for name, channel in measured.items():
         if name not in COMPUTED and name != "far":
-            continue  # a part of a mix
+            continue  # a channel of the mixture
         picture, mean = channel.picture, channel.mean
         if name == "alpha" and cut and cut[1]:
             mean = 1 - mean

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Computed inputs of a scene's materials: as textures over UVs where possible, else by small renders.
+"""Computed inputs of a scene's materials: as textures over UVs where possible, otherwise from small renders.
 
-Most are baked at every pixel of the camera's picture, by one Cycles render: each is sent to an AOV output for a moment,
-so every network that Cycles knows arrives, wherever it gets its coordinates from, for all materials at once. Flat
-grounds and walls are captured straight on as well, because mirrors show parts outside the picture.
+One Cycles render of the camera's view measures most inputs of all materials at each pixel: a temporary AOV output is
+linked to each input. This works for every node network, whatever its texture coordinates. Flat surfaces, such as floors
+and walls, are also rendered straight on, because mirrors show parts outside the camera's view.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from .analysis import SceneAnalysis
 from .materials import COLORS, ExportedMaterial, MeasuredChannel, computed_inputs, export_material, uv_of
 
 _SEEN_ELSEWHERE = ("base_color", "emission_color", "emission", "alpha")
-"""Inputs that count of materials that the camera does not see: the light that they send to others."""
-_LONGEST = 512
+"""Inputs that matter even for materials outside the camera's view: they set the light sent to other surfaces."""
+_LONGEST = 512  # pixels, longer side of the render of the camera's view
 _SAMPLES = 4
-_FAR_SIDE, _FAR_SAMPLES = 384, 2  # what only mirrors show need not be as fine
+_FAR_SIDE, _FAR_SAMPLES = 384, 2  # pixels and samples of a render straight on, which only mirrors show
 _GROWN = 4  # pixels by which a map reaches beyond where its material is seen
 _INDEX, _SQUARE = "Vibe Index", "Vibe Square"
-_FLAT = 1e-4  # deviation, in parts of the extent, that counts as flat
-_REACH = 3.0  # times the camera's distance from the subject: patterns beyond are too small to be told apart
+_FLAT = 1e-4  # of the extent: a surface that deviates less from a plane is flat
+_REACH = 3.0  # camera distances from the subject: beyond, the patterns of a plane look too small
 
 
 def measured_materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
@@ -65,7 +65,7 @@ def measured_materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
             far = _straight_on(analysis, request) if request.channel == "base_color" else None
             if far:
                 channels[name]["far"] = MeasuredChannel(view.mean, far)
-        # The camera does not see it: measure its mean.
+        # Not baked (out of view, or from a library): measure its mean.
         elif request.origin is not None and request.channel != "normal":
             mask = analysis.visible.material == geometry.materials.index(name)
             mean = np.full(3, 0.5, np.float32)
@@ -78,7 +78,7 @@ def measured_materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
 def _over_uvs(
     material: bpy.types.Material, channel: str, origin: ValueOrigin | None, uvs: np.ndarray
 ) -> textures.ExportedTexture | None:
-    """A texture where one is enough, and as sharp as the original: of base colors and cut-outs."""
+    """The texture of a base color or alpha over the material's UV map; None if the input has to be rendered in place."""
     if origin is None or channel not in ("base_color", "alpha"):
         return None
     chosen, matrix = uv_of(material)
@@ -92,7 +92,7 @@ def _over_uvs(
 
 
 def _straight_on(analysis: SceneAnalysis, request: PassRequest) -> textures.ExportedTexture | None:
-    """The pattern of a flat surface as mirrors may show it, also where the camera does not look."""
+    """A flat surface's texture from a render straight on, also outside the camera's view; None for other surfaces."""
     geometry, eye = analysis.geometry, analysis.scene.camera.matrix_world.translation
     chosen = geometry.material == geometry.materials.index(request.material.name_full)
     pivot = np.array(analysis.pivot)
@@ -114,7 +114,7 @@ def _straight_on(analysis: SceneAnalysis, request: PassRequest) -> textures.Expo
 
 @dataclass(frozen=True)
 class PassRequest:
-    """A computed input to bake. Its `origin` is None for the normal that Displacement makes where it is rendered as bump."""
+    """A computed input to bake; `origin` is None for a normal that comes from Displacement, rendered as bump."""
 
     material: bpy.types.Material
     channel: str
@@ -129,9 +129,9 @@ class PassRequest:
 def bake_passes(
     scene: bpy.types.Scene, requests: Sequence[PassRequest], plane: CapturePlane | None = None
 ) -> dict[tuple[str, str], MeasuredChannel]:
-    """Bakes inputs with one render of the view, or of a plane; by name of the material and channel.
+    """Bakes inputs with one render of the camera's view, or of a plane; by (name of the material, channel).
 
-    Inputs that are not seen, and materials of linked libraries, are left out.
+    Inputs of materials that are not visible, or that come from linked libraries, are left out.
     """
     requests = [r for r in requests if not (r.material.library or r.tree.library or r.tree.override_library)]
     if not requests:
@@ -139,7 +139,7 @@ def bake_passes(
     materials = {r.material.name_full: r.material for r in reversed(requests)}
     names = list(dict.fromkeys(r.material.name_full for r in requests))
     channels = sorted({r.channel for r in requests})
-    # Materials may share a node group, and outputs of one name would add up.
+    # One AOV output for each tree and channel: materials may share a group, and outputs of the same name add up.
     outputs = {(r.tree.as_pointer(), r.channel): r for r in requests}
     sides = (_FAR_SIDE, _FAR_SIDE) if plane else (scene.render.resolution_x, scene.render.resolution_y)
     scale = min(1.0, _LONGEST / max(sides))
@@ -155,6 +155,7 @@ def bake_passes(
             stack.enter_context(straight_on(twin, plane))
         passes = _render(twin, channels, _FAR_SAMPLES if plane else _SAMPLES)
     index, square = passes[_INDEX][..., 0], passes[_SQUARE][..., 0]
+    # The mean of squares equals the square of the mean only in pixels that show a single material.
     alone = np.abs(square - index * index) < 1e-3 * (1 + square)
     baked = {}
     for request in requests:
@@ -167,12 +168,12 @@ def bake_passes(
 
 
 def _is_color(channel: str) -> bool:
-    """True for channels of three components. Normals are in world space, halved and raised to [0, 1]."""
+    """True for channels of three components, such as "normal": in world space, mapped from [-1, 1] to [0, 1]."""
     return channel in (*COLORS, "normal") or channel.startswith("color")
 
 
 def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dict[str, np.ndarray]:
-    """All AOVs; lamps, worlds and fog are left out as far as a scene's own settings can."""
+    """Renders all AOVs, by name; switches off lights, world and fog as far as a scene's settings can."""
     layer, cycles = rendered.layer(twin), twin.cycles
     rendered.set_world(twin, None)
     twin.render.engine = "CYCLES"
@@ -189,7 +190,7 @@ def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dic
 
 @contextmanager
 def _sent(request: PassRequest, name: str) -> Iterator[None]:
-    """An AOV output for the value, in the tree that computes it."""
+    """Adds an AOV output for a requested input to the tree that computes it, inside the block."""
     tree = request.tree
     added = []
     try:
@@ -203,7 +204,7 @@ def _sent(request: PassRequest, name: str) -> Iterator[None]:
                 source = added[-1].outputs["Normal"]
             half = tree.nodes.new("ShaderNodeVectorMath")
             added.append(half)
-            half.operation = "MULTIPLY_ADD"  # AOVs lose what is negative
+            half.operation = "MULTIPLY_ADD"  # AOVs clip negative values
             half.inputs[1].default_value = half.inputs[2].default_value = (0.5, 0.5, 0.5)
             tree.links.new(source, half.inputs[0])
             source = half.outputs[0]
@@ -216,7 +217,7 @@ def _sent(request: PassRequest, name: str) -> Iterator[None]:
 
 @contextmanager
 def _marked(material: bpy.types.Material, number: float) -> Iterator[None]:
-    """AOV outputs for the places where a material is seen, and where it is seen alone."""
+    """Adds AOV outputs for a material's number and its square, inside the block: they tell which pixels show only it."""
     nodes = material.node_tree.nodes
     added = []
     try:
@@ -231,7 +232,7 @@ def _marked(material: bpy.types.Material, number: float) -> Iterator[None]:
 
 
 def _cropped(values: np.ndarray, shown: np.ndarray) -> MeasuredChannel:
-    """The part of a picture (H, W, C) where a material is shown, grown a little over its edges."""
+    """The part of an image (H, W, C) where `shown` (H, W) is true, extended by `_GROWN` pixels on all sides."""
     height, width = shown.shape
     rows, columns = shown.any(1).nonzero()[0], shown.any(0).nonzero()[0]
     bottom, top = max(0, rows[0] - _GROWN), min(height, rows[-1] + 1 + _GROWN)
@@ -244,7 +245,10 @@ def _cropped(values: np.ndarray, shown: np.ndarray) -> MeasuredChannel:
 
 
 def _grown(values: np.ndarray, covered: np.ndarray, rest: np.ndarray) -> np.ndarray:
-    """Fills unknown pixels (h, w, C) with the mean of known neighbors, from the edges outwards."""
+    """Fills pixels outside `covered` with the mean of known neighbors, `_GROWN` pixels deep, and all others with `rest`.
+
+    `values` is (h, w, C), `covered` (h, w) bool is true for known pixels, `rest` is (C,).
+    """
     values = np.where(covered[..., None], values, 0.0)
     for _ in range(_GROWN):
         total, count = np.zeros_like(values), np.zeros(covered.shape)
@@ -262,21 +266,24 @@ def _grown(values: np.ndarray, covered: np.ndarray, rest: np.ndarray) -> np.ndar
 
 @dataclass(frozen=True)
 class CapturePlane:
-    """A square of a flat surface: center (3,), axes right, up and out (3, 3) in columns, and side in meters."""
+    """A square in the plane of a flat surface."""
 
-    center: np.ndarray
-    axes: np.ndarray
-    side: float
+    center: np.ndarray  # (3,), world space, meters
+    axes: np.ndarray  # (3, 3), unit vectors in columns: right, up, and the normal
+    side: float  # meters
 
     @property
     def mapping(self) -> list[list[float]]:
-        """2 rows (4,) that take a point (x, y, z, 1) to the square, [0, 1] from its lower left."""
+        """The 2 x 4 matrix from a point (x, y, z, 1) to the square: (0, 0) is its lower left corner, (1, 1) the opposite."""
         rows = self.axes.T[:2] / self.side
         return np.column_stack((rows, 0.5 - rows @ self.center)).tolist()
 
 
 def capture_plane(corners: np.ndarray, pivot: np.ndarray, distance: float) -> CapturePlane | None:
-    """The square that triangles (F, 3, 3) fill, at a camera's distance in meters; None if they are not in one plane."""
+    """The square around a flat surface, at most `_REACH` camera distances from the pivot; else None.
+
+    `corners` (F, 3, 3), of the surface's triangles, and `pivot` (3,) are in world space; `distance` is from camera to pivot.
+    """
     edges = corners[:, 1:] - corners[:, :1]
     areas = np.cross(edges[:, 0], edges[:, 1])
     out = areas[np.argmax(np.linalg.norm(areas, axis=1))]
@@ -301,7 +308,7 @@ def capture_plane(corners: np.ndarray, pivot: np.ndarray, distance: float) -> Ca
 
 @contextmanager
 def straight_on(scene: bpy.types.Scene, plane: CapturePlane) -> Iterator[None]:
-    """Gives a scene a camera that sees a plane and nothing in front of or behind it, inside the block."""
+    """Gives a scene an orthographic camera that sees only this plane, nothing in front or behind; inside the block."""
     data = bpy.data.cameras.new("Vibe Bake")
     camera = bpy.data.objects.new("Vibe Bake", data)
     scene.collection.objects.link(camera)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mixes of shaders as one Principled BSDF: their weighted sum, by what the mixes were measured to be."""
+"""Mixed shaders as one Principled BSDF: the sum of their inputs, weighted by the measured factors of the mixes."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from ..scene.nodes.layers import TRANSPARENT, Layer
 from ..scene.nodes.trails import ValueOrigin, active_links, resolve
 from .textures import ExportedTexture
 
-_HEAD_ON = 0.04  # what a dielectric with the default IOR of 1.5 reflects at Specular IOR Level 0.5
-_USUAL_BLEND = 0.5  # of a Layer Weight node: the IOR is 1 / (1 - blend)
+_HEAD_ON = 0.04  # reflectance at normal incidence for the default IOR of 1.5 and Specular IOR Level 0.5
+_USUAL_BLEND = 0.5  # assumed for a Layer Weight node's computed Blend; its IOR is 1 / (1 - blend)
 
 
 @dataclass(frozen=True)
 class MeasuredChannel:
-    """A computed input as it was measured: its mean (1,) or (3,), and its picture if it varies."""
+    """A measured computed input: its mean, (1,) or (3,), and its texture if it varies."""
 
     mean: np.ndarray
     picture: ExportedTexture | None = None
 
     @property
     def values(self) -> np.ndarray:
-        """(h, w, C), or (1, 1, C) where it does not vary."""
+        """The texture's image, (h, w, C); the mean, (1, 1, C), if there is none."""
         return self.picture.image if self.picture else self.mean[None, None].astype(np.float32)
 
 
@@ -37,10 +37,9 @@ class Mixture:
     """The shaders of a material, with the computed factors of their mixes."""
 
     layers: list[Layer]  # all shaders
-    # where the computed factors come from, each once; their channels are "mix0", "mix1" …
+    # the distinct origins of computed factors; their channels are "mix0", "mix1" …
     factors: list[ValueOrigin] = field(default_factory=list)
-    # where the colors of its body come from; the channels of computed ones are "color0", "color1" … if there are
-    # several
+    # the origins of its base colors; if there are several, the channels of computed ones are "color0", "color1" …
     colors: list[ValueOrigin] = field(default_factory=list)
 
     @classmethod
@@ -55,7 +54,7 @@ class Mixture:
         return mixture
 
     def cutout(self) -> tuple[ValueOrigin, bool] | None:
-        """The factor of a last mix with a Transparent BSDF, if it is computed, and whether it is the latter's weight."""
+        """The factor of a last mix with a Transparent BSDF, if computed, and whether it is that BSDF's weight; else None."""
         clear = [layer for layer in self.layers if layer.kind == TRANSPARENT]
         if len(clear) != 1 or len(clear[0].sides) != 1:
             return None
@@ -63,7 +62,7 @@ class Mixture:
         return (origin, clear[0].sides[0].second) if origin.source else None
 
     def channels(self) -> dict[str, ValueOrigin]:
-        """The origins of all that has to be measured."""
+        """The origins of the factors and colors that have to be measured, by channel."""
         channels = {f"mix{number}": origin for number, origin in enumerate(self.factors)}
         if len(self.colors) > 1:
             computed = ((n, origin) for n, origin in enumerate(self.colors) if origin.source)
@@ -71,11 +70,12 @@ class Mixture:
         return channels
 
     def share(self, layer: Layer, measured: Mapping[str, MeasuredChannel], coats: bool = False) -> np.ndarray:
-        """The part of the surface that a shader makes: (h, w, 1) or (1, 1, 1).
+        """A shader's weight in the mix, in [0, 1]: (h, w, 1) or (1, 1, 1).
 
         Args:
             measured: The values of `channels`.
-            coats: Whether shaders at grazing angles lie on top of the rest, which is whole then.
+            coats: Whether shaders mixed in by a Fresnel or Layer Weight node count as coats: their weight is 0, and the
+                shader below keeps its full weight.
         """
         total: np.ndarray = np.ones((1, 1, 1), np.float32)
         for side in layer.sides:
@@ -92,7 +92,7 @@ class Mixture:
         return total
 
     def opacity(self, measured: Mapping[str, MeasuredChannel]) -> np.ndarray:
-        """The part of the surface that transparent shaders leave: (h, w, 1) or (1, 1, 1)."""
+        """1 minus the weights of transparent shaders times the means of their colors: (h, w, 1) or (1, 1, 1)."""
         total: np.ndarray = np.ones((1, 1, 1), np.float32)
         for layer in self.layers:
             if layer.kind == TRANSPARENT and (layer.sides or len(self.layers) == 1):
@@ -101,7 +101,7 @@ class Mixture:
         return np.clip(total, 0.0, 1.0)
 
     def color(self, material: bpy.types.Material, measured: Mapping[str, MeasuredChannel]) -> np.ndarray:
-        """The color that several shaders of a body make together, untinted: (h, w, 3) or (1, 1, 3)."""
+        """The weighted mean of the base colors of `layers.body`, before Vibe Render's tint: (h, w, 3) or (1, 1, 3)."""
         total, weight = np.zeros((1, 1, 3), np.float32), np.full((1, 1, 1), 1e-6, np.float32)
         places = [each.source or each.socket for each in self.colors]
         for layer in layers.body(material):
@@ -119,7 +119,7 @@ class Mixture:
         return (total / weight).astype(np.float32)
 
     def glow(self, measured: Mapping[str, MeasuredChannel]) -> np.ndarray | None:
-        """The part (h, w, 1) of what is not transparent that an Emission node makes; None if it is all or nothing."""
+        """An Emission node's part of the opacity, (h, w, 1) or (1, 1, 1); None if it is 1, or without a mixed Emission."""
         lights = [layer for layer in self.layers if layer.matter == "light"]
         if not lights or not lights[0].sides:
             return None
@@ -127,7 +127,7 @@ class Mixture:
         return None if (share > 0.99).all() else share
 
     def values(self, base: Layer, measured: Mapping[str, MeasuredChannel]) -> dict[str, schema.Values]:
-        """Inputs of a Principled BSDF for the shaders that are mixed with the one that has the base color."""
+        """Inputs of a Principled BSDF that stand for the shaders mixed with `base`, the one with the base color."""
         shares = {layer.matter: 0.0 for layer in self.layers}
         for layer in self.layers:
             if layer.kind != TRANSPARENT:
@@ -140,7 +140,7 @@ class Mixture:
         if base.matter == "metal":
             values["metallic"] = (shares["metal"] / whole,)
             coat = layers.lacquer_over(self.layers, base)
-            if coat:  # a glossy shader that a Fresnel node lays over another one
+            if coat:  # a glossy shader that a Fresnel or Layer Weight node lays over this metal
                 strongest, _, roughness = _gloss(coat)
                 values |= {"coat": (min(strongest, 1.0),), "coat_roughness": (roughness,)}
         elif gloss and base.matter == "matte":
@@ -148,14 +148,14 @@ class Mixture:
         return values
 
     def coat_ior(self, base: Layer) -> float | None:
-        """The IOR of a lacquer: of a glossy shader that a Fresnel node lays over another one."""
+        """The IOR of a lacquer: a glossy shader that a Fresnel or Layer Weight node lays over a metal; None without one."""
         coat = layers.lacquer_over(self.layers, base)
         node = coat.sides[-1].grazing if coat else None
         return _ior(node) if node else None
 
 
 def _gloss(layer: Layer) -> tuple[float, schema.Values, float]:
-    """The strongest component of a glossy color, the color with that as 1, and the roughness."""
+    """The strongest component of a glossy shader's color, the color divided by it, and the roughness."""
     color, rough = layer.shader.input("Base Color"), layer.shader.input("Roughness")
     assert color
     tinge = (0.8, 0.8, 0.8) if active_links(color) else tuple(map(float, color.default_value[:3]))
@@ -166,7 +166,7 @@ def _gloss(layer: Layer) -> tuple[float, schema.Values, float]:
 
 
 def _ior(node: bpy.types.Node) -> float:
-    """Of a Fresnel or Layer Weight node."""
+    """The IOR of a Fresnel or Layer Weight node."""
     if node.bl_idname == "ShaderNodeFresnel":
         return float(node.inputs["IOR"].default_value)
     linked = active_links(node.inputs["Blend"])
@@ -175,7 +175,10 @@ def _ior(node: bpy.types.Node) -> float:
 
 
 def _plastic(gloss: Layer, share: float) -> dict[str, schema.Values]:
-    """The nearest dielectric layer: a share f of a glossy color c is a reflectance of f·c head on, a Fresnel node an IOR."""
+    """Inputs of the dielectric layer that is most like a glossy shader mixed in with weight `share`.
+
+    A weight f of a color c becomes the reflectance f·c at normal incidence; a Fresnel or Layer Weight node gives an IOR.
+    """
     strongest, tinge, roughness = _gloss(gloss)
     values: dict[str, schema.Values] = {"roughness": (roughness,), "specular_tint": tinge}
     node = gloss.sides[-1].grazing

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Notes for the artist: what spoils a picture whatever its look or makes it black, and what a prediction approximates."""
+"""Notes for the artist: faults of the camera's view, causes of a black render, approximations of the prediction."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from .analysis import SceneAnalysis
 _NAMED = 3
 _MOST = 5
 
-_FAINT = 2.0**-8  # of exposure, below which white in full light is black
-_WHOLE_PICTURE = 0.98  # of the picture: what fills this much leaves nothing else to see
+_FAINT = 2.0**-8  # factor of exposure below which even white in full light renders black
+_WHOLE_PICTURE = 0.98  # part of the image that an object must cover to count as filling it
 
 
 def notes_by_reason(notes: Mapping[str, Sequence[str]]) -> list[str]:
-    """Lines for each reason: "Glossy BSDF is approximated in A, B and 7 more."; important names first."""
+    """A line for each reason: "Glossy BSDF is approximated in A, B and 7 more."; names keep the order of `notes`."""
     things: dict[str, list[str]] = {}
     for name, reasons in notes.items():
         for reason in dict.fromkeys(reasons):
@@ -34,14 +34,14 @@ def notes_by_reason(notes: Mapping[str, Sequence[str]]) -> list[str]:
 
 
 def shortened_notes(lines: Sequence[str]) -> list[str]:
-    """At most five lines, each once, and how many more there are."""
+    """The first five different lines, and a line with the number of the others."""
     lines = list(dict.fromkeys(lines))
     rest = len(lines) - _MOST
     return lines if rest <= 0 else [*lines[:_MOST], f"And {rest} more."]
 
 
 def filling(analysis: SceneAnalysis) -> int | None:
-    """The number of the object that fills the picture, and is not all that there is; None where other things are seen."""
+    """The number of the object that fills the image; None if others are visible, or the subject is all there is."""
     objects, shown = analysis.geometry.objects, analysis.visible.object
     number = int(np.bincount(shown[shown >= 0]).argmax())
     alone = len(objects) < 2 or analysis.is_subject.sum() == len(objects)
@@ -49,7 +49,7 @@ def filling(analysis: SceneAnalysis) -> int | None:
 
 
 def view_notes(analysis: SceneAnalysis) -> list[str]:
-    """Faults of the camera's view; a VibeError if it is filled by what is hidden in the viewport."""
+    """Notes on the camera's view; raises VibeError if an object that is hidden in the viewport fills it."""
     if (number := filling(analysis)) is None:
         return []
     name, parent = analysis.geometry.objects[number]
@@ -69,11 +69,11 @@ def view_notes(analysis: SceneAnalysis) -> list[str]:
 
 
 def check_shows(scene: bpy.types.Scene, filling: str, lit: bool) -> None:
-    """Raises a VibeError with the cause of a black picture, unless light cures that and the words bring some.
+    """Raises a VibeError with the cause of a black render; not if only light is missing and the words add light.
 
     Args:
-        filling: Name of the object that fills the picture; "" where several are seen.
-        lit: Whether what the words ask for lights the scene.
+        filling: Name of the object that fills the image; "" if others are visible.
+        lit: Whether the words may add light to the scene.
     """
     if grade.cut_off(compat.compositor(scene)):
         why = "no picture reaches the output of its compositor", "Connect one, or take the compositor out."

@@ -31,11 +31,11 @@ def export_scene(
     eyes: Sequence[Vector] = (),
     measure: bool = True,
 ) -> SceneJob:
-    """Adds what the scene lacks and writes its job folder; a failure leaves it as it was.
+    """Adds what the scene lacks and writes its job folder; after a failure the scene is as it was.
 
     Args:
         first_shot: The analysis of an earlier shot of this scene, whose subject and pivot this shot takes.
-        eyes: Positions of the cameras of all its shots: one fog box holds them all.
+        eyes: Camera positions of all shots of this scene: one fog box encloses them.
         measure: As for `write_job`.
     """
     with _prepared(scene, choice) as analysis:
@@ -47,9 +47,10 @@ def export_scene(
 def export_captured(
     scene: bpy.types.Scene, folder: Path, choice: SubjectChoice, visible: VisibleScene
 ) -> SceneJob | None:
-    """Writes the job folder of a scene that was prepared and captured; None if something of it was removed since.
+    """Writes the job folder of a prepared and captured scene.
 
-    Blender stays usable while `SceneCapture.visible_scene` is computed. The caller has to roll back after a failure.
+    None if the camera, the snapshot, or a captured object or material has been removed since. The caller has to roll back
+    after a failure. Use this after `SceneCapture.visible_scene`, which a thread can compute while Blender stays usable.
     """
     if scene.camera is None or not snapshot.exists(scene) or not visible.blocks <= data_blocks():
         return None
@@ -57,7 +58,7 @@ def export_captured(
 
 
 def prepare_and_snapshot(scene: bpy.types.Scene, choice: SubjectChoice) -> None:
-    """Adds what the scene lacks and starts its snapshot, by which later changes are undone; sets keyframes of ours aside."""
+    """Mutes Vibe Render's keyframes and adds what the scene lacks; starts a snapshot, if there is none, for Revert."""
     check_scene(scene)
     keyframes.set_aside(scene)
     prepare_scene(scene, named_objects(scene, choice))
@@ -86,19 +87,19 @@ def prepare_and_read(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneRead
 
 @contextmanager
 def _prepared(scene: bpy.types.Scene, choice: SubjectChoice) -> Iterator[SceneAnalysis]:
-    """The analysis of a scene to which all that it lacks has been added; this is undone after a failure inside the block."""
+    """Adds what a scene lacks and yields its analysis; a failure inside the block undoes the additions."""
     with snapshot.rollback_on_failure(scene):
         prepare_and_snapshot(scene, choice)
         yield analyze(scene, choice)
 
 
 def sketch_scene(scene: bpy.types.Scene, folder: Path, choice: SubjectChoice) -> None:
-    """Writes a sketch: a job folder with bounding boxes in place of meshes, for readers of words.
+    """Writes a sketch: a job folder with bounding boxes in place of meshes, for explaining words.
 
-    Nothing is rendered, and nothing in the scene changes. Raises as `analysis.analyze`.
+    The scene is not changed, except for unreadable names. Raises as `check_scene` and `analyze`.
     """
     check_scene(scene)
-    rendered.layer(scene).update()  # memberships and matrices of what has changed just now
+    rendered.layer(scene).update()  # collections and matrices that have just changed
     camera = visibility.ray_camera(scene)
     shown = {obj for obj in rendered.shown(scene) if not owned.is_unseen(obj)}
     geometry = box_geometry(scene, shown, camera)

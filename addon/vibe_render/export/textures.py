@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The colors that node networks give: read from image files where possible, otherwise measured by a render."""
+"""Colors that node networks compute: read from images where possible, otherwise measured by a render."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from ..core.temporary import temporary
 from ..render import bake
 from ..scene.nodes.trails import ValueOrigin, active_links
 
-_LONGEST = 1024
-_BAKED = 512
-_VIEW = 96
+_LONGEST = 1024  # pixels, longest side of a copied image
+_BAKED = 512  # pixels, side of a texture baked over UVs
+_VIEW = 96  # pixels, longer side of a render for a mean color
 
-# Nodes whose result depends on nothing but their inputs; textures among them need their Vector linked.
+# Nodes whose result depends only on their inputs; those of `_TEXTURES` only if their Vector is linked.
 _PURE = {
     "ShaderNodeMix", "ShaderNodeMixRGB", "ShaderNodeMath", "ShaderNodeVectorMath", "ShaderNodeMapRange",
     "ShaderNodeValToRGB", "ShaderNodeRGBCurve", "ShaderNodeHueSaturation", "ShaderNodeBrightContrast",
@@ -34,19 +34,19 @@ _TEXTURES = {
 
 @dataclass(frozen=True)
 class ExportedTexture:
-    """A picture of a material's input."""
+    """The texture of a material's input."""
 
     image: np.ndarray  # (H, W, C) float32 linear, row 0 at the bottom
     extension: str = "REPEAT"  # "REPEAT", "EXTEND" or "CLIP"
-    warning: str = ""  # what is only approximate about it, "" if nothing
-    # left, bottom, right and top in parts of the camera's picture; None for a texture over UVs
+    warning: str = ""  # a note on an approximation; "" for none
+    # left, bottom, right and top in the camera's image, from 0 to 1; None for a texture over UVs
     window: tuple[float, float, float, float] | None = None
-    # for a flat surface seen straight on: the 2 x 4 matrix that takes world-space points to the image
+    # for a flat surface rendered straight on: the 2 x 4 matrix from world space to image coordinates in [0, 1]
     plane: list[list[float]] | None = None
 
 
 def uv_mapping(source: bpy.types.NodeSocket | None) -> tuple[str, np.ndarray]:
-    """The UV map that the texture behind an output reads, and the 3x3 matrix of its Mapping node."""
+    """The UV map that an output's texture reads ("" for the active one), and the 3x3 matrix of its Mapping node."""
     node = plain_image(source, ("Color", "Alpha"))
     if node is not None:
         return _coordinates(node) or ("", np.eye(3))
@@ -55,7 +55,7 @@ def uv_mapping(source: bpy.types.NodeSocket | None) -> tuple[str, np.ndarray]:
 
 
 def uv_texture(material: bpy.types.Material, channel: str, origin: ValueOrigin) -> ExportedTexture | None:
-    """The picture of an input ("alpha", or an untinted color) that depends only on UVs in the unit square; else None."""
+    """The texture of an input that depends only on UVs: its image, or a bake of the unit square; None for other inputs."""
     source = origin.source
     assert source
     node = plain_image(source, ("Color", "Alpha") if channel == "alpha" else ("Color",))
@@ -76,10 +76,10 @@ def uv_texture(material: bpy.types.Material, channel: str, origin: ValueOrigin) 
 def mean_color(
     scene: bpy.types.Scene, material: bpy.types.Material, origin: ValueOrigin, mask: np.ndarray
 ) -> np.ndarray:
-    """The mean color (3,) that an output gives over the part of a material where a camera mask (R, R) is true, linear.
+    """The mean linear color (3,) of an output over the pixels of the camera's image where `mask` (R, R) is true.
 
-    An image that is read directly counts whole. Of a material that the camera does not see, the unit square of its
-    UVs counts: mirrors and light that bounces may show it.
+    For an image that is read directly, the mean of the whole image. If the mask is empty, the mean over the unit square
+    of the UVs: mirrors and bounced light may still show the material.
     """
     assert origin.source
     plain = plain_image(origin.source)
@@ -95,7 +95,7 @@ def mean_color(
 
 
 def image_colors(image: bpy.types.Image | None) -> np.ndarray | None:
-    """A linear copy of an image with at most 1024 pixels a side; None if its file is missing."""
+    """A scene-linear copy of an image, (H, W, 3), at most 1024 pixels a side; None if its file is missing."""
     if image is None or not image.size[0] or not image.size[1]:
         return None
     colors = shrink(bake.image_pixels(image), _LONGEST)
@@ -106,14 +106,14 @@ def image_colors(image: bpy.types.Image | None) -> np.ndarray | None:
 
 
 def is_encoded_usually(image: bpy.types.Image | None) -> bool:
-    """True if an image's colors are linear, data or encoded as those of new images, which is sRGB in any configuration.
+    """True if an image's colors are float, data, or in the color space of new images, which is always sRGB.
 
-    The color spaces of a configuration have any names, and only Blender can decode all of them: by a render.
+    Names of color spaces depend on the OCIO configuration. Only Blender can decode all of them, by a render.
     """
     if image is None or image.is_float:
         return True
     space = image.colorspace_settings
-    if space.is_data or not space.name:  # an unknown space is taken for sRGB
+    if space.is_data or not space.name:  # Blender treats an unknown space as sRGB
         return True
     with temporary(bpy.data.images.new("Vibe Bake", 1, 1)) as fresh:
         return fresh.colorspace_settings.name == space.name
@@ -142,7 +142,7 @@ def shrink(image: np.ndarray, longest: int) -> np.ndarray:
 def plain_image(
     source: bpy.types.NodeSocket | None, outputs: tuple[str, ...] = ("Color",)
 ) -> bpy.types.Node | None:
-    """The image texture node behind an output, if its image is still and flat over a UV map; else None."""
+    """The image texture node behind an output, if it lays a still, decodable image flat over a UV map; else None."""
     while source is not None and source.node.type == "REROUTE":
         links = active_links(source.node.inputs[0])
         source = links[0].from_socket if links else None
@@ -154,7 +154,7 @@ def plain_image(
 
 
 def _coordinates(node: bpy.types.Node) -> tuple[str, np.ndarray] | None:
-    """The UV map and matrix that a texture node reads, or None if it reads something else."""
+    """The UV map ("" for the active one) and 3x3 matrix that a texture node reads; None for other coordinates."""
     matrix = np.eye(3)
     links = active_links(node.inputs["Vector"])
     while links:
@@ -176,7 +176,7 @@ def _coordinates(node: bpy.types.Node) -> tuple[str, np.ndarray] | None:
 
 
 def _mapping_matrix(node: bpy.types.Node) -> np.ndarray | None:
-    """The 3x3 matrix of a Mapping node in the plane; None if it is computed or turns out of the plane."""
+    """The 3x3 matrix of a Mapping node on UVs; None if it is computed, not of type Point, or rotates about X or Y."""
     names = ("Location", "Rotation", "Scale")
     if node.vector_type != "POINT" or any(active_links(node.inputs[n]) for n in names):
         return None
@@ -199,7 +199,7 @@ def _upstream(source: bpy.types.NodeSocket) -> list[bpy.types.Node]:
 
 
 def _reads_uv_only(source: bpy.types.NodeSocket) -> bool:
-    """True if an output depends on nothing about the surface but its UVs."""
+    """True if an output depends only on the surface's UVs."""
     for node in _upstream(source):
         if node.bl_idname == "ShaderNodeTexCoord":
             if any(s.is_linked for s in node.outputs if s.name != "UV"):

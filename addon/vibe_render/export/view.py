@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Camera, lights and film for the engine: the properties that no vibe changes; and what words may add to them."""
+"""Camera, lights and film for the engine: properties that no vibe changes, and lights and backdrops that words may add."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from ..scene.nodes import backgrounds, layers, light_nodes
 from .analysis import SceneAnalysis
 
 MOST_INSTANCES = 24
-"""So many instances of lights are predicted at most."""
+"""Instances of lights in the prediction, at most."""
 
-_SEEN_WORLD = 0.05  # of what is around the subject: less world than this is out of sight
+_SEEN_WORLD = 0.05  # part of the image around the subject; a world that fills less counts as not visible
 
 
 def camera_row(analysis: SceneAnalysis) -> dict[str, Any]:
@@ -48,7 +48,7 @@ def camera_row(analysis: SceneAnalysis) -> dict[str, Any]:
 
 
 def _focus(camera: bpy.types.Object) -> dict[str, Any]:
-    """Aperture and focus of a camera, in meters, as Cycles takes them; nothing without depth of field."""
+    """Aperture radius and focus (distance, or point in world space) of a camera, meters; empty without depth of field."""
     data, dof = camera.data, camera.data.dof
     if not dof.use_dof:
         return {}
@@ -68,7 +68,7 @@ def light_rows(analysis: SceneAnalysis) -> list[dict[str, Any]]:
     context = analysis.context()
     roles = scene_context.light_roles(context)
     rows = [_light_row(o, role, pivot) for o, role in roles.items() if analysis.scene in o.users_scene]
-    # Of the lights that instances show, the nearest ones, each with the values of its data-block's owner.
+    # The instanced lights nearest to the pivot. An instance takes the values of an object with the same light data.
     owners, instanced = {o.data: o for o in reversed(list(roles))}, []
     for obj, matrix in context.instanced_lights:
         owner = owners[obj.data]
@@ -109,7 +109,7 @@ def _light_row(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, A
 
 
 def film_row(scene: bpy.types.Scene) -> dict[str, Any]:
-    """The view transform's entry in scene.json."""
+    """The film's entry in scene.json: view transform, exposure and white balance."""
     view = scene.view_settings
     return {
         "ocio": ocio_config(),
@@ -125,10 +125,10 @@ def film_row(scene: bpy.types.Scene) -> dict[str, Any]:
 
 
 def white_balance(scene: bpy.types.Scene) -> list[list[float]]:
-    """The matrix by which the view's white balance multiplies scene-linear colors; empty without one.
+    """The 3x3 matrix by which the view's white balance multiplies scene-linear colors; empty without white balance.
 
-    Blender itself is asked: it stores a few colors as such a view shows them. Empty, too, in a studio's configuration that has
-    no view "Raw".
+    It is fitted to a few colors that Blender saves through this white balance and the view "Raw". Empty, too, if the OCIO
+    configuration has no such view.
     """
     if not scene.view_settings.use_white_balance:
         return []
@@ -156,12 +156,12 @@ def ocio_config() -> str:
     if chosen.startswith("ocio://"):
         return chosen
     if os.path.isfile(chosen):
-        return os.path.abspath(chosen)  # the engine has another current folder
+        return os.path.abspath(chosen)  # absolute, because the engine has another working directory
     return os.path.join(bpy.utils.system_resource("DATAFILES", path="colormanagement"), "config.ocio")
 
 
 def light_notes(scene: bpy.types.Scene) -> list[str]:
-    """Notes for the artist on what the prediction leaves out of the lights."""
+    """Notes for the artist on properties of lights, and of light linking, that the prediction leaves out."""
     notes = []
     for obj in sorted(rendered.shown(scene), key=lambda o: o.name_full):
         linking = obj.light_linking
@@ -189,7 +189,7 @@ def light_notes(scene: bpy.types.Scene) -> list[str]:
 
 
 def _unlit_objects(light: Object, objects: Sequence[tuple[str, str]]) -> list[int]:
-    """The numbers of the objects (named as in `SceneGeometry.objects`) that light linking keeps a light from."""
+    """The numbers of the objects (of `SceneGeometry.objects`) that light linking excludes from a light."""
     collection = light.light_linking.receiver_collection
     if collection is None:
         return []
@@ -202,7 +202,7 @@ def _unlit_objects(light: Object, objects: Sequence[tuple[str, str]]) -> list[in
 
 
 def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, schema.Instance]]:
-    """Entries and parameters of the lights that words may add; these are in the scene only inside this function."""
+    """Entries and parameters of lights that words may add; the lights are in the scene only during this call."""
     scene, pivot = analysis.scene, Vector(analysis.pivot)
     known = schema.added_lights.ADDED_LIGHTS
     names = [name for name in known if name not in bpy.data.objects]
@@ -223,7 +223,7 @@ def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[
 def standby_backdrop(
     analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]
 ) -> dict[str, schema.Instance]:
-    """The parameters (by key) of a backdrop that the world may get; none where the picture does not show the world."""
+    """The parameters (by key) of a backdrop that the world may get; none if the render does not show the world."""
     scene, shown = analysis.scene, analysis.visible.object
     mine = np.append(analysis.is_subject, False)[shown]
     world_is_seen = (shown < 0).sum() >= _SEEN_WORLD * max((~mine).sum(), 1)

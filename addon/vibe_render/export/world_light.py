@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The world as the engine sees it: one color, or environment pictures without tint, strength and turn."""
+"""The world as the engine gets it: one color, or environment images without tint, strength and rotation."""
 
 from __future__ import annotations
 
@@ -20,20 +20,20 @@ from .textures import image_colors, is_encoded_usually
 
 _HEIGHT, _SAMPLES = 512, 8
 _LIGHT = {"Is Diffuse Ray": 1.0, "Is Reflection Ray": 1.0, "Ray Depth": 1.0, "Diffuse Depth": 1.0}
-"""Outputs of a Light Path node where a world lights a matte surface; the others are 0."""
+"""Outputs of a Light Path node for rays from a matte surface to the world; all other outputs are 0."""
 
 
 @dataclass(frozen=True)
 class WorldPictures:
-    """The world's pictures, laid out as Blender's equirectangular mapping without rotation, row 0 straight down."""
+    """The world's images in Blender's equirectangular mapping, not rotated; row 0 is straight down."""
 
-    light: np.ndarray | None = None  # (H, 2H, 3) float32 linear; None for a world of one color
-    backdrop: np.ndarray | None = None  # the same as the camera sees it, where that is another picture
-    note: str = ""
+    light: np.ndarray | None = None  # (H, 2H, 3) float32 linear, lights the scene; None for one color
+    backdrop: np.ndarray | None = None  # what the camera sees; None if that is `light` or one color
+    note: str = ""  # on what is approximated
 
 
 def pictures(world: bpy.types.World | None) -> WorldPictures:
-    """The world's pictures: of its environment, or of all that it mixes."""
+    """The world's images: of its single Background, or of all Backgrounds mixed."""
     if world is None:
         return WorldPictures()
     parted = backgrounds.has_backdrop(world)
@@ -48,7 +48,7 @@ def pictures(world: bpy.types.World | None) -> WorldPictures:
 def _environment(
     world: bpy.types.World, background: trails.NodeInGroups | None
 ) -> tuple[np.ndarray | None, str]:
-    """The picture of a single Background, not rotated (None for one color), and a note on what is approximated."""
+    """The image of a single Background, not rotated (None for one color), and a note on what is approximated."""
     color = background.entry("Color") if background else None
     origin = inputs.artists_origin(color) if color else None
     if origin is None or origin.source is None:
@@ -65,7 +65,7 @@ def _environment(
 
 
 def _backdrop(world: bpy.types.World) -> np.ndarray | None:
-    """The picture for the camera alone, without parameters; None for one color, or the same picture."""
+    """The image that only the camera sees, without tint and strength; None for one color or the image of the light."""
     if backgrounds.shares_picture(world):
         return None
     single = backgrounds.single_background(world, backgrounds.BACKDROP)
@@ -81,13 +81,13 @@ def _backdrop(world: bpy.types.World) -> np.ndarray | None:
 
 
 def _mix(world: bpy.types.World) -> tuple[np.ndarray, np.ndarray | None]:
-    """All Backgrounds as they light surfaces, and as the camera sees them where that may differ."""
+    """Images of all Backgrounds as they light surfaces, and as the camera sees them (None if it cannot differ)."""
     with _untinted(world) as (twin, trees):
         seen = _panorama(twin)
         paths = [(tree, node) for tree in trees for node in tree.nodes if node.type == "LIGHT_PATH"]
         if not paths:
             return seen, None
-        # Replace them by their values for rays from matte surfaces.
+        # Replace the Light Path nodes by their outputs for rays from matte surfaces.
         for tree, node in paths:
             for output in node.outputs:
                 targets = [link.to_socket for link in output.links]
@@ -100,7 +100,7 @@ def _mix(world: bpy.types.World) -> tuple[np.ndarray, np.ndarray | None]:
 
 
 def _panorama(world: bpy.types.World) -> np.ndarray:
-    """A world's picture; one texel where it is the same all around."""
+    """A world's image; a single texel if it is the same in all directions."""
     picture = bake.bake_world(world, _HEIGHT, _SAMPLES)
     even = float(np.ptp(picture, axis=(0, 1)).max()) < 1e-5 * float(picture.max())
     return picture[:1, :1] if even else picture
@@ -109,13 +109,13 @@ def _panorama(world: bpy.types.World) -> np.ndarray:
 def _copy(world: bpy.types.World) -> bpy.types.World:
     twin = world.copy()
     compat.drop_action(twin.node_tree)
-    twin.cycles.sampling_method = "NONE"  # it lights nothing, and a map of its light can take minutes
+    twin.cycles.sampling_method = "NONE"  # no importance map, which can take minutes: the copy lights nothing
     return twin
 
 
 @contextmanager
 def _untinted(world: bpy.types.World) -> Iterator[tuple[bpy.types.World, list[bpy.types.NodeTree]]]:
-    """A copy of a world, its groups included, with neutral insets, and its trees; removed afterwards."""
+    """A temporary copy of a world and its groups, without volume and with neutral insets; yields it and its trees."""
     twin = _copy(world)
     tree = twin.node_tree
     for node in [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputWorld"]:
@@ -130,10 +130,10 @@ def _untinted(world: bpy.types.World) -> Iterator[tuple[bpy.types.World, list[bp
 
 @contextmanager
 def _plain(world: bpy.types.World, origin: trails.ValueOrigin) -> Iterator[bpy.types.World]:
-    """A copy of a world that shows the value of an output, not rotated, at strength 1; removed afterwards."""
+    """A temporary copy of a world that shows the value of an output, not rotated, at strength 1."""
     twin = _copy(world)
     journal = Journal()
-    if turn := backgrounds.rotation_slot(twin):  # a parameter of its own
+    if turn := backgrounds.rotation_slot(twin):  # the rotation is a separate parameter
         turn.set(journal, 0.0)
     with temporary(twin, *bake.emit(twin.node_tree, origin, "Background", "World")):
         try:

@@ -32,12 +32,12 @@ class _Parser(argparse.ArgumentParser):
 
 
 def parse(argv: Sequence[str]) -> argparse.Namespace:
-    """Reads the arguments that follow "--"; every mistake in them is a VibeError.
+    """Parses the arguments that follow "--"; raises VibeError for every mistake in them.
 
     The command is given either by words, as the `vibe` command does (`run SCENE...`, `demo`, `export SCENE`,
     `apply PRESET SCENE`, `revert FILE`), or by options for the file that Blender has open (`--apply PRESET`,
     `--revert`). `serve` takes any number of such command lines from the standard input.
-    `scene` is a path, "" for the open file; `scenes` are all of them.
+    In the result, `scene` is the first scene's path ("" for the open file) and `scenes` are the paths of all.
     """
     args = _parser().parse_args(list(argv))
     args.command = "revert" if args.revert else "apply" if args.preset else "run"
@@ -99,17 +99,17 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def arguments_of_process() -> list[str]:
-    """The arguments: those after "--" where Blender runs this file, all where Python does."""
+    """The arguments of this process: those after "--" if there is one (Blender runs batch.py), otherwise all."""
     return sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
 
 
 def _listed(given: Sequence[str]) -> list[str]:
-    """Names from "A,B" lists; a name may hold spaces."""
+    """The distinct names in "A,B" lists; a name may contain spaces."""
     return list(dict.fromkeys(name.strip() for part in given for name in part.split(",") if name.strip()))
 
 
 class Reporter:
-    """Prints lines for people, or lines `VIBE {json}` for the `vibe` command; `doing` is the present stage."""
+    """Prints plain lines, or with `events` lines `VIBE {json}` for the `vibe` command; `doing` is the present stage."""
 
     def __init__(self, events: bool) -> None:
         self._events = events
@@ -138,7 +138,7 @@ class Reporter:
             self._print({"type": "progress", **asdict(message)}, line)
 
     def result(self, lines: list[str], stopped: bool = False, missing: Sequence[str] = ()) -> None:
-        """Reports the result in lines, whether Ctrl-C ended the search early, and words that the picture does not show."""
+        """Reports lines on the result; as an event, also whether Ctrl-C ended the search early, and words not visible."""
         event = {"type": "result", "lines": lines, "stopped": stopped, "missing": list(missing)}
         self._print(event, "\n".join(lines))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The commands of a headless run: vibe and what follows it, export, apply, revert, frames; and `serve`, which runs many."""
+"""The commands of a headless run: run, export, apply, revert, frames, and `serve`, which runs many command lines."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ from .scenes import Framing, open_blend, open_scene, save_blend
 from .vibe import HeadlessVibe, run_one
 
 _GRACE = 5.0
-"""Seconds from the end of the input to the end of a busy process."""
+"""Seconds after the end of the input until a process that is still busy is ended."""
 
 
 def run(args: argparse.Namespace, reporter: Reporter) -> None:
-    """Runs a vibe, if one is asked for, and the sentences that follow it, with an engine of its own."""
+    """Runs a vibe or moments, if requested, and then further sentences (`--then`), with an engine of its own."""
     engine = Engine(args.engine, listener=reporter.engine)
-    engine.start()  # first, so that engine and scene load at the same time
+    engine.start()  # before the scene is opened: both load at the same time
     shown = None
     try:
         if args.moments or args.markers:
@@ -61,7 +61,7 @@ def run(args: argparse.Namespace, reporter: Reporter) -> None:
 
 
 def _written(args: argparse.Namespace) -> argparse.Namespace:
-    """The command line for the .blend that it has written."""
+    """A copy of a command line that goes on with the .blend that it has written."""
     args = copy(args)
     args.scene, args.command = str(args.out / "vibed.blend"), "run"
     args.scenes = [args.scene]
@@ -71,10 +71,10 @@ def _written(args: argparse.Namespace) -> argparse.Namespace:
 def go_on(
     args: argparse.Namespace, sentence: str, reporter: Reporter, engine: Engine, shown: Path | None = None
 ) -> None:
-    """Runs a further sentence; a VibeError if the scene has no look, or the sentence says nothing.
+    """Runs a further sentence; raises VibeError if the scene has no look, or the sentence is empty.
 
     Args:
-        shown: The picture of the scene as it is, where there is one: that of the step before.
+        shown: An image of the scene as it is: the render of the previous step. None if there is none.
     """
     scene, _, _ = open_scene(args, reporter)
     steps = Steps.of(scene)
@@ -107,7 +107,7 @@ def go_on(
 
 
 def export(args: argparse.Namespace, reporter: Reporter) -> None:
-    """Writes a job folder of a scene; its file stays as it is."""
+    """Writes a job folder of a scene, without changing the scene's file."""
     scene, choice, _ = open_scene(args, reporter)
     reporter.stage("reading the scene")
     reading.export_scene(scene, args.out, choice, measure=not args.names_only)
@@ -147,7 +147,7 @@ def revert(args: argparse.Namespace, reporter: Reporter) -> None:
         raise schema.VibeError(
             f"{path.name} holds no vibe to revert.", "Only a vibed .blend can be reverted."
         )
-    if not os.access(path, os.W_OK):  # replacing it would need no permission of the file's
+    if not os.access(path, os.W_OK):  # replacing a file does not need write permission for it
         remedy = "Make it writable, or copy it to where it can be changed."
         raise schema.VibeError(f"{path.name} is read-only.", remedy)
     lost = [line for scene in scenes for line in snapshot.revert(scene)]
@@ -159,7 +159,7 @@ def revert(args: argparse.Namespace, reporter: Reporter) -> None:
 def frames(args: argparse.Namespace, reporter: Reporter) -> None:
     """Renders frames of a .blend with Cycles to OUT/0001.png and so on; existing pictures are skipped.
 
-    The camera is the given one, or the scene's own, as its markers say.
+    The camera is the first of `--cameras`, or the scene's own, which camera markers may switch.
     """
     args.out.mkdir(parents=True, exist_ok=True)
     scene, _, _ = open_scene(args, reporter)
@@ -186,8 +186,8 @@ COMMANDS: dict[str, Callable[[argparse.Namespace, Reporter], None]] = {
 def serve() -> None:
     """Runs command lines with one warm engine: a worker of `vibe batch`.
 
-    Every line of the standard input is a command line of `batch.py`, as a JSON list. Each ends with a "result" or an
-    "error" event. The end of the input ends the process, also in the middle of a command.
+    Each line of the standard input is a command line of `batch.py`, as a JSON list, and is answered by a "result" or an
+    "error" event. When the input ends, the process ends too: at most `_GRACE` seconds later if a command is running.
     """
     lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(lines,), daemon=True).start()
@@ -197,13 +197,13 @@ def serve() -> None:
     try:
         while line := lines.get():
             try:
-                engine.start()  # a new one if it died, or the last command failed
+                engine.start()  # a new process if the engine died, or was stopped after an error
                 args = parse(json.loads(line))
                 if args.command == "run":
                     HeadlessVibe(args, reporter, engine).run()
                 else:
                     COMMANDS[args.command](args, reporter)
-            except Exception as error:  # the next command opens a file of its own
+            except Exception as error:  # go on: the next command opens another file
                 reporter.error(errors.to_show(error, reporter.doing))
                 engine.stop(patience=0.1)  # it may be in the middle of something
     finally:
@@ -211,7 +211,7 @@ def serve() -> None:
 
 
 def _listen(lines: queue.SimpleQueue[str | None]) -> None:
-    """Reads in a thread, so that this process ends soon after its parent, also while Blender is busy."""
+    """Reads the input (in a thread), and ends this process after `_GRACE` seconds if Blender is busy when the input ends."""
     for line in sys.stdin:
         lines.put(line)
     lines.put(None)

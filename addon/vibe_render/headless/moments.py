@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Moments without a window: a vibe for each of several frames, and their keyframes in one .blend."""
+"""Moments without a window: a vibe at each of several frames, and keyframes of their values in one .blend."""
 
 from __future__ import annotations
 
@@ -31,14 +31,14 @@ from .vibe import HeadlessVibe, run_one
 
 STRIP = "moments.png"
 _UNNAMED = re.compile(r"F_\d+")  # Blender's own name for a marker
-_TILE, _TILE_SAMPLES = 256, 16  # longer side of an image of the strip, pixels
-_STEPS = 3  # of the strip, from one moment to the next
+_TILE, _TILE_SAMPLES = 256, 16  # of each image of the strip: longer side in pixels, and samples
+_STEPS = 3  # images of the strip for each interval between two moments
 
 
 def run(args: argparse.Namespace, reporter: Reporter, engine: Engine) -> None:
-    """Finds the look of each moment, each from the artist's own scene, and writes them into one .blend.
+    """Finds the look of each moment, always starting from the artist's own scene, and writes all into one .blend.
 
-    If the markers are no moments, or one of the vibes fails, nothing is written.
+    Nothing is written if fewer than two moments are given, or if any vibe fails.
     """
     queue = list(args.moments) or _of_markers(args, reporter)
     count = len(queue)
@@ -62,7 +62,7 @@ def run(args: argparse.Namespace, reporter: Reporter, engine: Engine) -> None:
 
 
 def _of_markers(args: argparse.Namespace, reporter: Reporter) -> list[tuple[int, str]]:
-    """The names of the scene's markers with their frames; those that Blender has named say nothing."""
+    """(frame, name) of the scene's markers, by frame; without markers that have Blender's default names."""
     scene, _, _ = open_scene(args, reporter)
     named = [(m.frame, m.name) for m in scene.timeline_markers if not _UNNAMED.fullmatch(m.name)]
     if not named:
@@ -72,7 +72,7 @@ def _of_markers(args: argparse.Namespace, reporter: Reporter) -> list[tuple[int,
 
 
 def _write(args: argparse.Namespace, reporter: Reporter, out: Outputs, found: list[Moment]) -> list[str]:
-    """Writes the keyframes into the artist's scene, renders and saves it; returns what was left alone, and why."""
+    """Writes keyframes into the artist's scene, renders and saves it; returns notes on values that were left alone."""
     scene, choice, _ = open_scene(args, reporter)
     framing, camera = Framing(scene), "".join(args.cameras)
     reading.prepare_and_snapshot(scene, choice)
@@ -110,13 +110,13 @@ def _write(args: argparse.Namespace, reporter: Reporter, out: Outputs, found: li
 
 
 def _strip(frames: list[int]) -> list[int]:
-    """Frames of the moments, and some between them."""
+    """The frames of the strip's images: the moments, and `_STEPS` - 1 frames between each two."""
     between = [a + round(n * (b - a) / _STEPS) for a, b in pairwise(frames) for n in range(_STEPS)]
     return sorted({*between, *frames})
 
 
 def _rows(found: list[Moment], reports: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The moments as report.json has them: the report of each vibe, with its frame and images."""
+    """Rows of report.json: the report of each moment's vibe, with its frame and image files."""
     return [
         {
             "frame": moment.frame,
@@ -131,7 +131,7 @@ def _rows(found: list[Moment], reports: list[dict[str, Any]]) -> list[dict[str, 
 def _closing(
     found: list[Moment], reports: list[dict[str, Any]], notes: list[str]
 ) -> tuple[list[str], bool, list[str]]:
-    """The lines for people at the end, whether the search was stopped, and the words that are not visible."""
+    """Arguments for `Reporter.result`: closing lines, whether a search was stopped, and the words that are not visible."""
     lines, missing = [f"Note: {note}" for note in notes], []
     for moment, report in zip(found, reports, strict=True):
         missed = words_of(report["verdicts"], "missed")

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scenes that the command line names, opened and saved elsewhere; and the shots of a vibe, which share a look.
+"""Opens the scenes that the command line names and saves them elsewhere; lists the shots of a vibe, which share a look.
 
-A Blender that is a Python module cannot run fluid simulations: they abort it, or write caches next to the scene. They are
-switched off while such a file is open.
+Where Blender is a Python module, fluid simulations abort it or write caches next to the scene. There they are switched
+off as long as a file is open.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ from ..scene.subject import SubjectChoice
 from .arguments import Reporter
 
 _fluids: list[tuple[str, str, bool, bool]] = []
-"""Of the open file: object and modifier that are switched off, whether the viewport and renders showed it."""
+"""Fluid modifiers of the open file that are switched off: object, modifier, shown in viewport, shown in renders."""
 
 
 def open_scene(args: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.Scene, SubjectChoice, bool]:
-    """Opens or builds the scene; returns it, how its subject is chosen, and if it is a mesh on our stage."""
+    """Opens or builds the scene; returns it, how its subject is chosen, and whether it is a mesh file on a built stage."""
     path = Path(args.scene).expanduser().absolute() if args.scene else None
     chosen = tuple(args.subject)
     if args.command == "demo":
@@ -50,7 +50,7 @@ def open_scene(args: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.
 
 
 def open_blend(path: Path) -> None:
-    """Opens a .blend, without running scripts in it, and switches its fluids off before Blender evaluates any of it."""
+    """Opens a .blend without running its scripts; in a Python module, switches fluids off before Blender evaluates them."""
     if not path.is_file():
         raise schema.VibeError(f"There is no file {path}.", "Check the path.")
     _fluids.clear()
@@ -65,8 +65,8 @@ def open_blend(path: Path) -> None:
 
 
 def save_blend(path: Path) -> None:
-    """Saves the open file under another name; its paths stay right for that folder, its fluids as the artist has them."""
-    # Every operator evaluates the scene before and after, so fluids are back for no longer than the writing.
+    """Saves a copy of the open file: relative paths are adapted to its folder, fluids are as the artist set them."""
+    # Operators evaluate the scene before and after they run, so fluids are on only while the file is written.
     try:
         with _at("save_pre", lambda: _set_fluids(True)), _at("save_post", lambda: _set_fluids(False)):
             bpy.ops.wm.save_as_mainfile(
@@ -77,16 +77,16 @@ def save_blend(path: Path) -> None:
 
 
 def fluid_note() -> str:
-    """Names the fluids of the open file that are left out, for the artist; "" without any."""
+    """A note for the artist that names the fluids that are switched off; "" if there are none."""
     names = ", ".join(dict.fromkeys(f'"{name}"' for name, *_ in _fluids))
     return names and f"The fluid simulation of {names} is left out of the pictures: vibe it inside Blender."
 
 
 @contextmanager
 def _at(moment: str, act: Callable[[], None]) -> Iterator[None]:
-    """Calls a function whenever Blender reaches a moment inside the block."""
+    """Calls a function inside the block at each event `moment` of `bpy.app.handlers`, such as "load_post"."""
     handlers = getattr(bpy.app.handlers, moment)
-    handler = bpy.app.handlers.persistent(lambda *_: act())  # others go when a file is opened
+    handler = bpy.app.handlers.persistent(lambda *_: act())  # opening a file removes other handlers
     handlers.append(handler)
     try:
         yield
@@ -103,7 +103,7 @@ def _switch_off() -> None:
 
 
 def _set_fluids(shown: bool) -> None:
-    """Shows the fluids as the artist has them, or hides them."""
+    """Sets the visibility of the listed fluids to what the artist had, or switches them off."""
     for name, modifier_name, viewport, renders in _fluids:
         obj = bpy.data.objects.get(name)
         if obj and (modifier := obj.modifiers.get(modifier_name)):
@@ -131,14 +131,14 @@ def shots_of(args: argparse.Namespace) -> list[RequestedShot]:
 
 
 class Framing:
-    """A scene's camera, frame and camera markers when it was opened."""
+    """Sets the camera and frame of a scene; remembers camera, frame and camera markers as they were at first."""
 
     def __init__(self, scene: bpy.types.Scene) -> None:
         self._scene, self._camera, self._frame = scene, scene.camera, scene.frame_current
         self._markers = [(marker, marker.camera) for marker in scene.timeline_markers]
 
     def show(self, name: str = "", frame: int | None = None) -> None:
-        """Sets a shot's camera and frame, where it has them; raises a VibeError if there is no such camera."""
+        """Sets camera and frame, unless they are "" and None; raises VibeError if there is no such camera."""
         scene, camera = self._scene, self._scene.objects.get(name)
         if name and (camera is None or camera.type != "CAMERA"):
             cameras = ", ".join(sorted(o.name for o in scene.objects if o.type == "CAMERA")) or "none"
@@ -163,12 +163,12 @@ class Framing:
 
 
 class ShotList:
-    """The shots in their order, those of one .blend together. One of them is shown at a time.
+    """The shots in order, with those of the same .blend next to each other. One shot is open at a time.
 
     Attributes:
         jobs: The exported job of each shot.
-        subjects: The names of each shot's subject.
-        bare: Whether the first shot is a bare mesh.
+        subjects: For each shot, the names of the objects of its subject.
+        bare: Whether the first shot is a mesh file, not a .blend.
         choice: How the subject of the open scene is chosen.
     """
 
@@ -187,7 +187,7 @@ class ShotList:
         return len(self.shots)
 
     def siblings(self, number: int) -> list[int]:
-        """The numbers of the shots of the same .blend, this one among them."""
+        """The numbers of all shots of this shot's .blend, its own included."""
         return [i for i, shot in enumerate(self.shots) if shot.scene == self.shots[number].scene]
 
     def export(self) -> None:
@@ -210,7 +210,7 @@ class ShotList:
                 self._fog[shot.scene] = planned
 
     def show(self, number: int) -> SceneJob:
-        """Opens and prepares a shot's .blend if another is open, sets its camera and frame, and returns its job."""
+        """Sets a shot's camera and frame, and returns its job; first opens and prepares its .blend if another is open."""
         shot = self.shots[number]
         is_open = self._open == shot.scene
         scene, choice = self._shown(number)
@@ -225,11 +225,12 @@ class ShotList:
         return self.jobs[number]
 
     def restore(self) -> None:
-        """Frames the open scene as the artist had it."""
+        """Restores the artist's camera, frame and markers in the open scene."""
         assert self._framing is not None
         self._framing.restore()
 
     def _shown(self, number: int) -> tuple[bpy.types.Scene, SubjectChoice]:
+        """Opens a shot's .blend if necessary, sets camera and frame; returns its scene and how the subject is chosen."""
         shot = self.shots[number]
         opens = self._framing is None or self._open != shot.scene
         if opens:
@@ -247,12 +248,12 @@ class ShotList:
         return bpy.context.scene, self.choice
 
     def _eyes(self, scene: bpy.types.Scene, number: int) -> Sequence[Vector]:
-        """The positions of the cameras of a .blend's shots, if there are several: the fog box encloses them all."""
+        """Camera positions of all shots of a .blend, for a fog box around them; empty for a single shot."""
         others = self.siblings(number)
         if len(others) < 2 or scene.camera is None:
             return ()
         eyes = []
-        for each in reversed(others):  # the first comes last, and stays
+        for each in reversed(others):  # backwards: the first shot is the one that stays set
             self._shown(each)
             rendered.layer(scene).update()
             eyes.append(scene.camera.matrix_world.translation.copy())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The results of a vibe: report.json, and lines for people. No bpy calls but its version."""
+"""The results of a vibe: report.json, and closing lines. Of bpy, only the version and the file's name are read."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def report_fields(
     skipped: dict[str, str],
     stopwatch: Stopwatch,
 ) -> dict[str, Any]:
-    """The content of report.json: the engine's report with ours. Measurements of several shots are averaged."""
+    """The content of report.json: the engine's report and Blender's. Measurements of several shots are averaged."""
     fields = dict(result.report)
     timings = {**stopwatch.seconds, **{f"engine: {k}": v for k, v in fields.pop("timings", {}).items()}}
     versions = {**fields.pop("versions", {}), "blender": bpy.app.version_string}
@@ -52,7 +52,7 @@ def report_fields(
 def _shots(
     args: argparse.Namespace, shot_list: ShotList, measured: Sequence[messages.Finished]
 ) -> list[dict[str, Any]]:
-    """Measurements and files of each of several shots."""
+    """Rows of report.json for several shots: file names and measurements."""
     return [
         {
             "name": shot.name,
@@ -69,7 +69,7 @@ def _shots(
 
 
 def light_rows(file: str, layers: Sequence[LightLayer]) -> dict[str, dict[str, list[str]]]:
-    """The passes of a file of light layers, each with its sources; nothing without layers."""
+    """File name -> pass name -> names of its lights, for a file of light layers; empty without layers."""
     rows = {PASS + layer.name: [member.name for member in layer.members] for layer in layers}
     return {file: rows} if rows else {}
 
@@ -87,7 +87,7 @@ def numbered(name: str, number: int) -> str:
 
 
 def _measurements(measured: Sequence[messages.Finished]) -> dict[str, Any]:
-    """The measurements of shots: means, and what the words show in the first; `delta_e` is that of the prediction that is shown."""
+    """Means of the shots' measurements, and the first shot's claims and verdicts; `delta_e` is of the shown prediction."""
     rows = [each.prediction for each in measured]
     names = [name for name in rows[0] if all(name in row for row in rows)]
     prediction = {name: _mean([row[name] for row in rows]) for name in names}
@@ -103,7 +103,7 @@ def _measurements(measured: Sequence[messages.Finished]) -> dict[str, Any]:
 
 
 def _mean(rows: Sequence[dict[str, float]]) -> dict[str, float]:
-    """Means over the rows, of what all of them have."""
+    """The mean over the rows of each key that all rows have."""
     keys = [key for key in rows[0] if all(key in row for row in rows)]
     return {key: round(sum(row[key] for row in rows) / len(rows), 4) for key in keys}
 
@@ -120,7 +120,7 @@ def closing_lines(
     measured: Sequence[messages.Finished],
     skipped: dict[str, str],
 ) -> list[str]:
-    """The lines for people at the end of a vibe; see `report_fields` for the arguments."""
+    """The lines to print at the end of a vibe; see `report_fields` for the arguments."""
     values = {k: v for k, v in result.values.items() if k not in skipped}
     notes = [*word_notes(result.report)[:6], *_warnings(shot_list, result)]
     own = shot_list.jobs[0].before
@@ -140,7 +140,7 @@ def closing_lines(
 
 
 def sequence_rows(frames: Sequence[CheckedFrame]) -> list[dict[str, Any]]:
-    """Checked frames as report.json has them."""
+    """Rows of report.json for checked frames."""
     return [
         {"frame": each.frame, "lost": each.lost}
         | ({"note": each.note} if each.note else {"verdicts": each.verdicts})
@@ -149,7 +149,7 @@ def sequence_rows(frames: Sequence[CheckedFrame]) -> list[dict[str, Any]]:
 
 
 def sequence_lines(rows: Sequence[CheckedFrame]) -> list[str]:
-    """A line for each checked frame where a word is no longer visible, or a single one if there is none."""
+    """A line for each checked frame with a note or a word that is no longer visible; if there is none, a single line."""
     lines = [line for each in rows if (line := frame_line(each))]
     if lost := [str(each.frame) for each in rows if each.lost]:
         lines.append(
@@ -159,17 +159,17 @@ def sequence_lines(rows: Sequence[CheckedFrame]) -> list[str]:
 
 
 def _apart(figures: dict[str, float]) -> str:
-    """ "0.6 CIEDE2000 (subject 0.4, 95th percentile 1.7)"."""
+    """A difference as text: "0.6 CIEDE2000 (subject 0.4, 95th percentile 1.7)"."""
     subject = f"subject {figures['subject']:.1f}, " if "subject" in figures else ""
     return f"{figures['mean']:.1f} CIEDE2000 ({subject}95th percentile {figures['p95']:.1f})"
 
 
 def change_lines(instances: dict[str, schema.Instance], values: dict[str, Any]) -> list[str]:
-    """The visible changes of these parameters as lines, the largest on the perceptual scale first."""
+    """A line for each visible change of a parameter, the largest on the perceptual scale first; at most `_SHOWN`."""
     rows = []
     for key, value in values.items():
         instance = instances.get(key)
-        if instance is None:  # of a light that has been added
+        if instance is None:  # of an added light
             rows += [(1.0, f"{labels.title(key)}.")] if schema.light_links.link_of(key) else []
             continue
         before, after = instance.value, tuple(value)
@@ -190,7 +190,7 @@ class Stopwatch:
         self._last = time.monotonic()
 
     def lap(self, name: str) -> None:
-        """Adds the seconds since the last call to this stage."""
+        """Counts the seconds since the last call as time of this stage."""
         now = time.monotonic()
         self.seconds[name] = round(self.seconds.get(name, 0.0) + now - self._last, 2)
         self._last = now

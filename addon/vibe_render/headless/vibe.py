@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A headless vibe: opens and exports the shots, asks the engine, renders, measures and saves."""
+"""A headless vibe: opens and exports the shots, has the engine find the look, renders, measures and saves."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ from .scenes import ShotList, save_blend
 from .summary import Stopwatch, numbered
 
 _SAMPLES_BEFORE = 16
-"""The most that the picture before takes: it is only compared with, and the denoiser does the rest."""
+"""Samples of the render before the vibe, at most: it only serves for comparison, and is denoised."""
 
 
 def on_interrupt(act: Callable[[], Any]) -> None:
     """Calls `act`, from a thread, at the first Ctrl-C or SIGTERM; a second one ends the process.
 
-    Python runs signal handlers between its own instructions, of which there are none while Cycles
-    renders: so a thread reads the signals' numbers from a socket.
+    Python runs signal handlers only between its own instructions, so not while Cycles renders. Therefore signal numbers
+    are written to a socket, which a thread reads.
     """
     reading, writing = socket.socketpair()
     writing.setblocking(False)
@@ -52,7 +52,7 @@ def on_interrupt(act: Callable[[], Any]) -> None:
     signal.set_wakeup_fd(writing.fileno(), warn_on_full_buffer=False)
 
     def watch() -> None:
-        with writing:  # kept open for as long as somebody listens
+        with writing:  # keeps the socket open while the thread reads
             reading.recv(1)
             act()
             reading.recv(1)
@@ -65,7 +65,7 @@ class HeadlessVibe(Driver):
     """One vibe of all shots of a command line.
 
     Args:
-        shown: The picture of the scene as it is, where there is one: nobody waits for *before.png* then.
+        shown: An image of the scene as it is, to use as *before.png*; None to render that.
     """
 
     def __init__(
@@ -85,12 +85,12 @@ class HeadlessVibe(Driver):
         self._steps = self._change.steps
         self._shots = ShotList(args, self._job, reporter, self._change)
         self._measured: list[messages.Finished] = []
-        self._skipped: dict[str, str] = {}  # by key, why a value was not written
-        self._lights: dict[str, dict[str, list[str]]] = {}  # by file, its passes with what shines in each
-        self._unlit = False  # whether the first shot, which the engine tells about, is black before the vibe
+        self._skipped: dict[str, str] = {}  # key -> why its value was not written
+        self._lights: dict[str, dict[str, list[str]]] = {}  # file name -> pass name -> names of its lights
+        self._unlit = False  # whether the first shot, the one of `Stage.lit`, renders black before the vibe
 
     def run(self) -> SceneAnalysis:
-        """Runs it to its end; returns the analysis of the last shot's scene, which has its new values."""
+        """Runs the vibe to its end; returns the analysis of the last shot, whose scene has the new values."""
         with self._temporary:
             with self._out:
                 drive(self._run())
@@ -125,7 +125,7 @@ class HeadlessVibe(Driver):
         options = replace(options, goes_on=not self._change.first)
         words, others = self._args.prompt, shots if several else []
         self._ask(messages.Vibe(schema.schema_hash(), shots[0].job, words, asdict(options), shots=others))
-        # The engine works while the pictures before are rendered; the last shot is still open.
+        # Render before.png while the engine works. Backwards, because the last shot is still open.
         for number in reversed(range(len(self._shots))):
             scene = self._before(number)
             if final_render.is_black(self._out.path(numbered("before.png", number))):
@@ -164,7 +164,7 @@ class HeadlessVibe(Driver):
             mask = out.path(numbered("mask.png", number))
             final_render.render_mask(analysis.scene, mask, args.size, analysis.objects)
         self._stopwatch.lap("render after")
-        # The comparison is not in `out` yet: a failure deletes that while the engine may still write.
+        # The engine writes compare.png outside `out`: a failure empties `out` while the engine may still write.
         before, after = (str(out.path(numbered(name, number))) for name in ("before.png", "after.png"))
         folder = Path(shots.jobs[number].folder)
         compared = folder / "compare.png"
@@ -187,7 +187,7 @@ class HeadlessVibe(Driver):
         self._stopwatch.lap("save and measure")
 
     def _check_sequence(self) -> Generator[str]:
-        """Measures frames of the scene with the look, and shows those where a word is no longer visible."""
+        """Checks frames of the scene with the look; saves an image of those where a word is no longer visible."""
         job, args = self._shots.show(0), self._args
         scene, seen = job.analysis.scene, words_of(self._measured[0].verdicts, "visible")
         frames = range(scene.frame_start, scene.frame_end + 1, args.check_every)
@@ -201,9 +201,10 @@ class HeadlessVibe(Driver):
         self._reporter.stage(f"checking frame {frame}")
 
     def _values(self, number: int, result: messages.Result) -> dict[str, Any]:
-        """The values to write into a shot's scene, with those of the other shots of the same .blend.
+        """The values to write into a shot's scene: those of all shots of the same .blend.
 
-        With a grade for each, grade and exposure are this shot's own: they replace those of an earlier shot.
+        With `--grade-each`, parameters of the film (grade, exposure) are this shot's own: its new values, or those that its
+        scene had.
         """
         if not result.shots:
             return result.values
@@ -216,7 +217,7 @@ class HeadlessVibe(Driver):
         return values | {key: value for key, value in film.items() if key in values} | result.shots[number]
 
     def _add_step(self, result: messages.Result) -> None:
-        """Keeps the result in the scene, as a step that further sentences go on from."""
+        """Stores the result in the scene as a step, from which further sentences can go on."""
         job, steps = self._shots.jobs[0], self._steps
         before = {key: instance.value for key, instance in job.before.items()}
         written = {k: v for k, v in result.values.items() if k not in self._skipped}
@@ -227,12 +228,14 @@ class HeadlessVibe(Driver):
         steps.store(job.analysis.scene)
 
     def _before(self, number: int) -> bpy.types.Scene:
+        """Renders a shot's before.png, or copies the given image; returns the shot's scene."""
         if not self._shown:
             return self._render(number, "before.png", min(self._args.samples, _SAMPLES_BEFORE))
         self._out.copy("before.png", self._shown)
         return self._shots.show(number).analysis.scene
 
     def _render(self, number: int, name: str, samples: int) -> bpy.types.Scene:
+        """Renders a shot to a file ("after.png" also with its light layers, if requested); returns the shot's scene."""
         scene, args = self._shots.show(number).analysis.scene, self._args
         lights = numbered("lights.exr", number) if args.light_mix and name == "after.png" else ""
         path = self._out.path(lights) if lights else None
@@ -260,7 +263,7 @@ class HeadlessVibe(Driver):
 
 
 def run_one(vibe: HeadlessVibe, queue: list[Any]) -> SceneAnalysis:
-    """Runs a vibe to its end; Ctrl-C ends it early, and empties the queue of what was to follow. See `HeadlessVibe.run`."""
+    """Runs a vibe as `HeadlessVibe.run`; Ctrl-C ends its search early, and empties `queue`, the work that was to follow."""
 
     def stop() -> None:
         queue.clear()
