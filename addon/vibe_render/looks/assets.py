@@ -31,18 +31,22 @@ from . import thumbnail
 CATALOG_FILE = "blender_assets.cats.txt"
 _VERSION = "VERSION 1"
 _SPACE = uuid.UUID("5b1f2a86-6f0c-4f6e-9a43-2f5d8b0c7e11")
-"""Our namespace: a catalog of ours has the same id in every library."""
+"""The UUID namespace of Vibe Render's catalogs: a catalog path has the same id in every library."""
 _BALL_SAMPLES = 48
 _TOP = "Vibe Render"
 
 
 def catalog_identifier(path: str) -> str:
-    """The id of a catalog of ours, such as "Vibe Render/Materials"."""
+    """The UUID of a Vibe Render catalog, by its path, such as "Vibe Render/Materials"."""
     return str(uuid.uuid5(_SPACE, path))
 
 
 def catalog_root(folder: Path, libraries: Iterable[str]) -> Path:
-    """The folder whose catalog file counts for the assets of a .blend, among the artist's asset libraries."""
+    """The folder whose catalog file Blender reads for a .blend in `folder`.
+
+    It is the asset library (one of the paths `libraries`) that contains `folder`. Without such a library it is the
+    nearest folder, from `folder` upward, that has a catalog file, or else `folder`.
+    """
     folder = folder.resolve()
     for library in filter(None, libraries):
         place = Path(library).resolve()
@@ -52,7 +56,7 @@ def catalog_root(folder: Path, libraries: Iterable[str]) -> Path:
 
 
 def add_catalogs(place: Path, paths: Iterable[str]) -> None:
-    """Adds catalogs ("Vibe Render/Materials") to the file in a folder; a VibeError if it is unusable."""
+    """Adds catalogs to the catalog file in a folder, by their paths; raises VibeError if that file is unusable."""
     file = place / CATALOG_FILE
     try:
         text = file.read_text(encoding="utf-8") if file.exists() else _VERSION
@@ -71,7 +75,10 @@ def add_catalogs(place: Path, paths: Iterable[str]) -> None:
 
 
 def _material_balls(materials: Sequence[Material]) -> list[np.ndarray]:
-    """Small Cycles renders of a ball of each material, as for `bake.read_file`. Nothing of them stays in the file."""
+    """Small Cycles renders of a ball, one with each material, as `bake.read_file` returns them.
+
+    The data-blocks that this needs are removed from the open file.
+    """
     before = _all_blocks()
     try:
         scene, ball = _ball_stage()
@@ -87,14 +94,14 @@ def _material_balls(materials: Sequence[Material]) -> list[np.ndarray]:
 
 
 def _all_blocks() -> set[ID]:
-    """The data-blocks of all kinds that a preview is made of."""
+    """All data-blocks of the file that are of the kinds that `_ball_stage` adds."""
     data = bpy.data
     kinds = (data.scenes, data.objects, data.meshes, data.lights, data.cameras, data.worlds, data.materials)
     return {block for kind in kinds for block in kind}
 
 
 def _ball_stage() -> tuple[Scene, bpy.types.Object]:
-    """A scene of a ball under two area lights and a gray world, on a transparent background."""
+    """A scene with a ball under two area lights and a gray world, on a transparent background; and the ball."""
     scene = bpy.data.scenes.new("Vibe Preview")
     scene.render.resolution_x = scene.render.resolution_y = thumbnail.SIZE
     scene.render.film_transparent = True
@@ -120,22 +127,22 @@ def _ball_stage() -> tuple[Scene, bpy.types.Object]:
 
 @dataclass
 class _Crate:
-    """Copies of data-blocks to write; some of them are assets, each with its catalog."""
+    """Copies of data-blocks to write to a .blend; those in `assets` are marked as assets, each with its catalog."""
 
     name: str
     assets: list[tuple[ID, str]] = field(default_factory=list)
     copies: list[ID] = field(default_factory=list)
 
     def keep(self, block: Any, name: str) -> Any:
-        """Names a copy after the look, and notes it for its removal."""
+        """Names a copy after the look, and lists it in `copies`, which are removed after the export."""
         self.copies.append(block)
         block.name = f"{self.name} {name}"
-        if owned.MARK in block:  # an asset that is dragged into another file is the artist's own
+        if owned.MARK in block:  # an asset in another file is the artist's, not Vibe Render's
             del block[owned.MARK]
         return block
 
     def mark(self, block: ID, catalog: str, words: str) -> None:
-        """Makes a copy an asset."""
+        """Marks a copy as an asset of a catalog; `words` are its description."""
         block.asset_mark()
         block.asset_data.catalog_id = catalog_identifier(f"{_TOP}/{catalog}")
         block.asset_data.description = words
@@ -146,7 +153,18 @@ class _Crate:
 def export_assets(
     analysis: SceneAnalysis, name: str, words: str, materials: Iterable[Material], path: Path, picture: Path
 ) -> list[str]:
-    """Writes the look of a scene; returns the names of the assets, or raises VibeError without any."""
+    """Writes the look of a scene as assets to a .blend; returns their names.
+
+    Args:
+        name: The look's title, with which the assets' names begin.
+        words: Description of every asset.
+        materials: Materials that become assets.
+        path: Where the .blend is written.
+        picture: An image of the look: the preview of every asset that is no material.
+
+    Raises:
+        VibeError: The scene has nothing to export, or a file cannot be written.
+    """
     crate = _Crate(name)
     try:
         surfaces = [crate.keep(material.copy(), material.name) for material in materials]
@@ -158,7 +176,7 @@ def export_assets(
             pack(crate, analysis, words)
         if not crate.assets:
             raise schema.VibeError("There is nothing to export.", "Vibe the scene first, or apply a preset.")
-        # Materials show themselves, other assets the look.
+        # Previews: a material has a render of its ball, every other asset the image of the look.
         look = bake.read_file(picture)
         pictures = dict(zip(surfaces, _material_balls(surfaces), strict=True))
         for block, _ in crate.assets:
@@ -166,7 +184,7 @@ def export_assets(
             preview = block.preview_ensure()
             preview.image_size = (pixels.shape[1], pixels.shape[0])
             preview.image_pixels_float.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
-        # Write the copies, and their catalogs to the library that the file is in.
+        # Write the copies to the .blend, and their catalogs to the asset library that contains it.
         blocks = {block for block, _ in crate.assets}
         with whole(path) as part:
             bpy.data.libraries.write(
@@ -181,7 +199,7 @@ def export_assets(
 
 
 def _rig(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
-    """A collection of the scene's lights; its origin is what the subject stands on."""
+    """Packs copies of the lights in a collection; its origin is the bottom center of the subject's bounding box."""
     lights = rendered.lights(analysis.scene)
     if not lights:
         return
@@ -198,7 +216,7 @@ def _rig(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
 
 
 def _grade(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
-    """The compositor group with the scene's values as its defaults."""
+    """Packs the node group of the grade; the scene's values become the default values of its inputs."""
     for node in owned.group_nodes(compat.compositor(analysis.scene), grade.NAME)[:1]:
         twin = crate.keep(node.node_tree.copy(), "Grade")
         for item in twin.interface.items_tree:
@@ -208,7 +226,7 @@ def _grade(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
 
 
 def _fog(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
-    """The material of the fog box, for any box."""
+    """Packs the material of the fog box, if the box is rendered."""
     box = owned.find_owned(analysis.scene.objects, owned.FOG)
     if box is not None and not box.hide_render:
         crate.mark(crate.keep(box.data.materials[0].copy(), "Fog"), "Fogs", words)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The preset library: the looks that come with Vibe Render, and the artist's own in a folder of theirs.
+"""The preset library: the presets that come with Vibe Render, and the artist's own in a folder for them.
 
-A preset is NAME.json with a picture NAME.jpg next to it. Other files in the folders are never touched. What cannot be done,
-because a file cannot be read or written, or a preset is shipped or broken, is a VibeError.
+A preset is NAME.json with an image NAME.jpg next to it. Other files in the folders are never touched. Functions raise
+VibeError if a file cannot be read or written, if a preset is broken, or if a shipped preset is to be changed.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ from ..core.schema_import import preset, schema
 from . import thumbnail, transfer
 
 SHIPPED = Path(__file__).parent / "shipped"
-"""The folder of the looks that come with Vibe Render."""
+"""The folder of the presets that come with Vibe Render."""
 
 PICTURE = thumbnail.SUFFIX
 
-_LARGEST_PICTURE = 4_000_000  # bytes, a hundred times as many as ours have
+_LARGEST_PICTURE = 4_000_000  # bytes; shipped images have about 5000
 _JPEG = b"\xff\xd8\xff"
 
 
 @dataclass(frozen=True)
 class Look:
-    """A preset in the library; without content but with a problem where its file cannot be read."""
+    """A preset in the library. If its file cannot be read, `preset` is None, and `problem` is the reason."""
 
     path: Path
     preset: preset.Preset | None
@@ -39,35 +39,38 @@ class Look:
 
     @property
     def name(self) -> str:
-        """Its name in lists."""
+        """The preset's name in lists: its title, or else the file's name."""
         return (self.preset and self.preset.name) or self.path.stem
 
     @property
     def prompt(self) -> str:
-        """The words that it was made for."""
+        """The prompt that the preset was made with; "" if there is none."""
         return self.preset.prompt if self.preset else ""
 
     @property
     def shipped(self) -> bool:
-        """True if it comes with Vibe Render: it can neither be renamed nor deleted."""
+        """True if the preset comes with Vibe Render; then it can neither be renamed nor deleted."""
         return self.path.parent == SHIPPED
 
     @property
     def picture(self) -> Path:
-        """The path of its picture, which may not exist."""
+        """The path of the preset's image, which may not exist."""
         return self.path.with_suffix(PICTURE)
 
     def matches(self, words: str) -> bool:
-        """True if its name and prompt together contain each of these words (or parts of words), in any case."""
+        """True if name or prompt contains each of the words, also as a part of a word. Case is ignored."""
         text = f"{self.name} {self.prompt}".casefold()
         return all(word in text for word in words.casefold().split())
 
 
 def preset_folder(create: bool = False) -> Path:
-    """The folder of the artist's own presets, among Blender's: uninstalling deletes the extension's own folder."""
+    """The folder of the artist's own presets; `create` makes it if it is missing.
+
+    It is among Blender's presets, because uninstalling deletes the extension's own folder.
+    """
     folder = Path(bpy.utils.user_resource("SCRIPTS", path="presets/vibe_render"))
     if create:
-        with contextlib.suppress(OSError):  # whoever writes into it says why that cannot be
+        with contextlib.suppress(OSError):  # writing a file there reports the reason
             folder.mkdir(parents=True, exist_ok=True)
     return folder
 
@@ -90,7 +93,7 @@ def preset_named(preset_: str) -> preset.Preset:
 
 
 def find_preset(name: str) -> Look:
-    """The preset of a name, or of its beginning if only one preset starts so, in any case; a VibeError otherwise."""
+    """The preset with a name, or the only one whose name begins so, ignoring case; raises VibeError if there is none."""
     library, folded = all_looks(), name.casefold().strip()
     exact = [look for look in library if look.name.casefold() == folded]
     chosen = exact or [look for look in library if look.name.casefold().startswith(folded)]
@@ -109,19 +112,19 @@ def preset_at(path: str) -> Look:
 
 
 def path_for(place: Path, name: str) -> Path:
-    """The file for a preset's name, in any script: letters, digits and dashes, valid on every system."""
+    """The path in a folder for a preset's name: letters of any script, digits, "_" and "-", valid on every system."""
     plain = unicodedata.normalize("NFKD", name).casefold()
     words = re.sub(r"[^\w]+", "-", plain).strip("-")[:50]
     return place / f"{words or 'look'}.json"
 
 
 def save_preset(look: preset.Preset, picture: Path | None = None) -> Look:
-    """Adds a preset to the artist's own, numbered where its name is taken, with its JPEG."""
+    """Adds a preset and its JPEG to the artist's own; the name gets a number if it is taken."""
     return _write(preset_folder(create=True), look, picture)
 
 
 def rename_preset(look: Look, name: str) -> Look:
-    """Gives one of the artist's presets another name, numbered where another preset has it."""
+    """Gives one of the artist's presets another name, with a number if another preset has that name."""
     name = preset.title(name)
     if not name:
         raise schema.VibeError("A preset needs a name.", "Type one.")
@@ -135,7 +138,7 @@ def rename_preset(look: Look, name: str) -> Look:
 
 
 def delete_preset(look: Look) -> None:
-    """Deletes one of the artist's presets and its picture."""
+    """Deletes one of the artist's presets and its image."""
     _check_own(look)
     try:
         look.path.unlink(missing_ok=True)
@@ -153,7 +156,7 @@ def import_preset(path: Path) -> Look:
 
 
 def export_preset(look: Look, path: Path) -> None:
-    """Writes a preset to a .json file, with its picture next to it."""
+    """Writes a preset to a .json file, with its image next to it."""
     path = path.with_suffix(".json")
     if look.preset is None:
         raise schema.VibeError(look.problem, "Delete it, or correct the file.")
@@ -183,7 +186,10 @@ def _read(path: Path, _time: int, _size: int) -> Look:
 
 
 def _write(place: Path, look: preset.Preset, picture: Path | None, instead: Path | None = None) -> Look:
-    """Writes a preset under its name, numbered where another preset, also a shipped one, has that name."""
+    """Writes a preset to the file for its name, with a number if another preset, own or shipped, has that name.
+
+    `instead` is the file that the preset may overwrite: its name does not count as taken.
+    """
     path, number, name = path_for(place, look.name), 1, look.name
     while (SHIPPED / path.name).exists() or not (path == instead or _claimed(path)):
         number += 1
@@ -200,16 +206,19 @@ def _write(place: Path, look: preset.Preset, picture: Path | None, instead: Path
 
 
 def _claimed(path: Path) -> bool:
-    """True if a file's name was free and is ours now: another Blender may want it at the same moment."""
+    """False if the file exists; else creates it empty, so that another Blender cannot take the name."""
     try:
         path.open("x").close()
-    except OSError as error:  # of anything but that it is there, whoever writes says why
+    except OSError as error:  # any other error is reported when the file is written
         return not isinstance(error, FileExistsError)
     return True
 
 
 def _put(path: Path, look: preset.Preset, picture: Path | None) -> None:
-    """Writes a preset and its picture, whole or not at all: another Blender may use the folder too."""
+    """Writes a preset and its image, each file whole or not at all: another Blender may read the folder.
+
+    An image that is no JPEG, or is too large, is left out.
+    """
     picture_path = path.with_suffix(PICTURE)
     with whole(path, "Check the folder.") as part:
         part.write_text(look.dumps() + "\n", encoding="utf-8")

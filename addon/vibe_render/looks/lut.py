@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The grade as a .cube file for other programs: what Vibe Grade does to every color.
 
-Colors go in and come out as displays show them: sRGB, Rec.709 primaries. In between the grade's formula works on
-linear light (see `scene/nodes/grade.py`). Vignette and bloom depend on more than the color and are left out, as is the view
-transform: on a picture that was rendered with the view Standard, the file does what the compositor would have done.
+Input and output colors are display-referred: sRGB, Rec.709 primaries. In between the grade's formula works on linear
+light (see `scene/nodes/grade.py`). Vignette and bloom are left out, because they depend on more than the color. The view
+transform is left out too: the file matches the compositor on images that were rendered with the view Standard.
 
-Colors below black and above white are written as they are, and become black and white when the file is used: between
-two colors of the file, a straight line through black is nearer to the grade than one that ends there.
+Colors below black and above white are not clipped in the file. Programs interpolate between its colors and clip the
+result. Near black, this is closer to the grade than interpolation between clipped colors.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..core.color import LUMA, to_linear, to_srgb
 from ..core.files import whole
 from ..core.schema_import import schema
 
-SIZE = 65  # colors along each edge: the largest that is usual
+SIZE = 65  # colors along each edge of the RGB cube: the largest usual number
 LEFT_OUT = ("vignette", "glare")
 _MIDDLE = 0.18
 
@@ -38,7 +38,7 @@ def graded_colors(
 
     Args:
         values: By name ("contrast", …), in the schema's units; missing ones are neutral.
-        below_black: Whether negative values from saturation stay, unless hue or gamma come after it.
+        below_black: Keep negative values that saturation gives, unless hue or gamma change: these need values of at least 0.
     """
     v = {name: np.array(values.get(name, neutral)) for name, neutral in neutral_grade().items()}
     c = colors * 2.0 ** v["grade_exposure"]
@@ -52,7 +52,7 @@ def graded_colors(
 
 
 def _turned(c: np.ndarray, sixths: np.ndarray) -> np.ndarray:
-    """Colors (N, 3) with their hue turned by sixths of the circle: the hue of HSV, as in Blender's node."""
+    """Colors (N, 3) with their HSV hue turned by sixths of the circle, as by the Hue/Saturation/Value node."""
     brightest, chroma = c.max(1, keepdims=True), np.ptp(c, 1, keepdims=True)
     r, g, b = ((brightest - c) / np.maximum(chroma, 1e-12)).T
     hue = np.select([r == 0, g == 0], [b - g, 2.0 + r - b], 4.0 + g - r)[:, None]
@@ -61,7 +61,7 @@ def _turned(c: np.ndarray, sixths: np.ndarray) -> np.ndarray:
 
 
 def grade_table(values: Mapping[str, Sequence[float]]) -> np.ndarray:
-    """The colors of a grade for a grid from black to white: (SIZE³, 3) sRGB, red changing fastest."""
+    """Graded colors of a regular grid over the sRGB cube: (SIZE³, 3) sRGB, not clipped, red changing fastest."""
     steps = np.linspace(0.0, 1.0, SIZE)
     blue, green, red = np.meshgrid(steps, steps, steps, indexing="ij")
     colors = to_linear(np.stack([red, green, blue], -1).reshape(-1, 3))

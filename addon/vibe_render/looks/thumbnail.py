@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Thumbnails of looks: the square in the middle of a picture, as a small JPEG."""
+"""Thumbnails of looks: the square in the middle of an image, as a small JPEG."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def rendered_thumbnail(scene: bpy.types.Scene) -> Iterator[Path]:
 
 
 def save_thumbnail(picture: Path, out: Path) -> None:
-    """Writes the middle square of a picture, `SIZE` pixels wide, as a JPEG; a VibeError if it cannot."""
+    """Writes the square in the middle of an image as a JPEG, `SIZE` pixels wide; raises VibeError if that fails."""
     pixels = bake.read_file(picture)
     side = min(pixels.shape[:2])
     top, left = ((n - side) // 2 for n in pixels.shape[:2])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Carries a look over: takes it from a scene, by role (see 'schema.preset'), fits it to another one, and applies it."""
+"""Transfers a look by role (see `schema.preset`): reads it from one scene, fits it to another, and applies it."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ from ..scene.subject import SubjectChoice, remember_subject
 from . import lut
 
 SceneParameters = SceneJob | reading.SceneReading
-"""An exported scene, or one that was only read."""
+"""An exported scene, or one that was only read: both have parameters by key (`instances`) and an analysis."""
 
-_TEXTURE_LUMA = 0.5  # of a typical texture: what a color is divided by to become a tint
-_DIM = 0.01  # radiance of white below which a light is too dark to be added
-_PROMINENT = 0.5  # of the visible area of the subject's largest material: smaller materials keep their look
+_TEXTURE_LUMA = 0.5  # luma of a typical texture: a color divided by it tints the texture to about that color
+_DIM = 0.01  # radiance of a white surface in its light, below which a light is not added
+_PROMINENT = 0.5  # share of the visible area of the subject's largest material; see `fit_look`
 _TINTS = {"base_color": "tint", "color": "tint", "backdrop_color": "backdrop_tint"}
-"""The colors that a texture takes the place of, and what tints it."""
-_UNNOTED = {"distance", "backdrop_horizon"}  # suns have no distance, and pictures bring their own horizon
+"""Color that a texture may replace -> the parameter that tints the texture."""
+_UNNOTED = {"distance", "backdrop_horizon"}  # suns have no distance, images their own horizon: no line
 
 
 def load_preset(path: Path) -> preset.Preset:
-    """Reads a preset file; a VibeError if it cannot be read, is too large, or is no preset (see `preset.loads`)."""
+    """Reads a preset file; raises VibeError if it is unreadable, too large, or no preset (see `preset.loads`)."""
     try:
         with path.open("rb") as file:
             content = file.read(preset.LARGEST + 1)
@@ -57,7 +57,13 @@ def extract_look(
     name: str = "",
     goals: dict[str, Any] | None = None,
 ) -> preset.Preset:
-    """The look that a vibe with goals gave a scene: the values, by key, that it has changed. Without a name the prompt's first words."""
+    """A preset of the look that a vibe gave a scene.
+
+    Args:
+        values: The values that the vibe has changed, by key.
+        name: The preset's title; "" for the prompt's first words.
+        goals: The vibe's goals, kept in the preset.
+    """
     roles: dict[str, list[preset.Entry]] = {}
     kinds: dict[str, list[str]] = {}
     for role, group in preset.ROLES.items():
@@ -70,7 +76,10 @@ def extract_look(
 
 
 def role_owners(scene: SceneParameters, role: str) -> list[str]:
-    """The owners (names in keys) of one of `preset.ROLES`: materials by visible area, lights by brightness."""
+    """Names, as in keys, of the materials or lights that have one of `preset.ROLES`; [""] for roles of other groups.
+
+    The material with the largest visible area, or the brightest light, comes first.
+    """
     group = preset.ROLES[role]
     if group not in ("material", "light"):
         return [""]
@@ -94,7 +103,7 @@ def visible_areas(analysis: SceneAnalysis) -> dict[str, float]:
 
 
 def _brightness(scene: SceneParameters, owner: str) -> float:
-    """Radiance of a white surface at the subject that faces the light."""
+    """Radiance of a white surface at the subject that faces the light; 0 if the light has neither power nor strength."""
     for name in ("power", "strength"):
         if instance := scene.instances.get(f"light/{owner}/{name}"):
             return schema.radiometry.radiance(_kind(owner), instance.value[0] / instance.reference)
@@ -102,7 +111,7 @@ def _brightness(scene: SceneParameters, owner: str) -> float:
 
 
 def _kind(light: str) -> str:
-    """The type of a light, also of one that another variant would add."""
+    """The type of a light ("AREA", …): one in the file, or one of `ADDED_LIGHTS` that the file lacks."""
     if light in bpy.data.objects:
         return type_of(bpy.data.objects[light]).name
     return schema.added_lights.ADDED_LIGHTS[light].type
@@ -111,7 +120,10 @@ def _kind(light: str) -> str:
 def _entry(
     scene: SceneParameters, group: str, owner: str, values: Mapping[str, Sequence[float]]
 ) -> preset.Entry:
-    """The changed values of one owner, as multiples of the scene's lengths and without names."""
+    """The changed values of one owner, by parameter name, as multiples of the scene's reference lengths.
+
+    A light's azimuth is counted from the camera's, -180 to 180 degrees.
+    """
     entry = {}
     for name in (p.name for p in schema.PARAMETERS if p.group == group):
         key = schema.FAMILIES[f"{group}/{name}"].key(owner)
@@ -125,17 +137,17 @@ def _entry(
 
 @dataclass
 class Fit:
-    """A preset on a scene: the values that fit, by key, and a line for each that does not, in words for the artist."""
+    """A preset fitted to a scene: the values by key, and a line for the artist on each value that does not fit."""
 
     values: dict[str, list[float]] = field(default_factory=dict)
     rest: list[str] = field(default_factory=list)
 
 
 def fit_look(look: preset.Preset, target: SceneParameters) -> Fit:
-    """A look's values for a scene, and what has no place in it.
+    """Fits a preset to a scene.
 
-    Where the scene has more materials or lights of a role than the preset, the rest get the last entry.
-    Where it lacks a light that the look needs, the values are those of a light that will be added.
+    If the scene has more materials or lights of a role than the preset has entries, the others get the last entry.
+    If the scene has no light of a role, the values belong to a light that will be added.
     """
     result = Fit()
     for role, entries in look.roles.items():
@@ -144,7 +156,7 @@ def fit_look(look: preset.Preset, target: SceneParameters) -> Fit:
         if not theirs and entries:
             _missing(result, target, role, entries[0], kinds)
         if role == "subject":
-            # Materials beyond the entries that are too small for one: tires do not get the car's paint.
+            # Materials without an entry of their own are skipped if they are small: tires do not get the car's paint.
             areas = visible_areas(target.analysis)
             least = _PROMINENT * areas.get(theirs[0], 0.0) if theirs else 0.0
             small = [owner for owner in theirs[len(entries) :] if areas.get(owner, 0.0) < least]
@@ -164,13 +176,13 @@ def fit_look(look: preset.Preset, target: SceneParameters) -> Fit:
 
 
 def _words(role: str) -> str:
-    """A role for people: "Subject material", "Rim light"."""
+    """The title of a role: "Subject material", "Rim light"."""
     group = preset.ROLES[role]
     return f"{role.capitalize()} {group}" if group in ("material", "light") else role.capitalize()
 
 
 def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entry, kinds: list[str]) -> None:
-    """For a role that nothing in the scene has: values of a light of ours, if it would be bright enough to show."""
+    """Fits a role that nothing in the scene has: adds values of a new light, unless it is dark, or a line to `rest`."""
     ours = prepare.OURS.get(role, "")
     entry = _for_light(entry, kinds[0], prepare.LIGHT_TYPE) if ours else entry
     if "power" not in entry or ours in bpy.data.objects:
@@ -190,7 +202,10 @@ def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entr
 
 
 def _for_light(entry: preset.Entry, made_on: str, kind: str) -> preset.Entry:
-    """An entry of one type of light for another, as bright and as soft: power against strength, size against angle."""
+    """An entry of one type of light, converted to another type that is as bright and as soft.
+
+    Power becomes strength, size becomes angle, or the other way around.
+    """
     result, target = dict(entry), LIGHT_TYPES[kind]
     bright = result.pop("power", None) or result.pop("strength", None)
     if bright:
@@ -204,11 +219,11 @@ def _for_light(entry: preset.Entry, made_on: str, kind: str) -> preset.Entry:
 
 
 def _put(result: Fit, target: SceneParameters, group: str, owner: str, name: str, value: list[float]) -> None:
-    """Adds one value, clipped to its bounds in this scene, or the reason why it does not fit."""
+    """Adds one value, clipped to its bounds in this scene, or a line on why it does not fit."""
     key = schema.FAMILIES[f"{group}/{name}"].key(owner)
     instance = target.instances.get(key)
     if instance is None or instance.locked:
-        # A texture gets the color by its tint.
+        # If a texture replaces the color, its tint gets the value.
         where = f"{group}/{owner}" if owner else group
         tint = target.instances.get(f"{where}/{_TINTS[name]}") if name in _TINTS else None
         if tint and not tint.locked:
@@ -228,13 +243,13 @@ def _put(result: Fit, target: SceneParameters, group: str, owner: str, name: str
 
 
 def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectChoice) -> list[str]:
-    """Applies a look to the scene, as a vibe's result is; returns what did not fit, in words for the artist.
+    """Applies a preset to the scene like a vibe's result; returns a line for the artist on each value that did not fit.
 
-    A look from another preset that has not been kept is taken out first, so that presets can be tried one after the
-    other. A failure leaves the scene as it was.
+    The look of an earlier preset is taken out first, unless it was kept: so presets can be tried one after the other.
+    A failure leaves the scene as it was.
 
     Raises:
-        VibeError: Nothing of the look fits, or the scene cannot be worked with.
+        VibeError: No value of the preset fits, or the scene cannot be read or changed.
     """
     settings = scene.vibe
     another, shown = bool(settings.vibed_preset), settings.show_original
@@ -248,11 +263,11 @@ def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectCho
             if not fitted.values:
                 message = "Nothing in this scene takes what the preset holds."
                 raise schema.VibeError(message, "See what it is for in its description.")
-            # New lights are dark at strength 0.
+            # First add the new lights without power: so they are dark at strength 0.
             added = (key for key in fitted.values if key not in scene_reading.instances)
             dark = {key: [0.0] for key in added if key.endswith("/power")}
             bindings.write(scene, dark, subject, pivot)
-            # no reasons: the preset's name is above the list
+            # no reasons: the preset's name is above the list of changes
             as_result = messages.Result(fitted.values, {}, "")
             result.apply(scene, look.prompt or look.name, as_result, subject, pivot, fresh_list=True)
     except BaseException:
@@ -264,7 +279,10 @@ def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectCho
 
 
 def capture_preset(scene: bpy.types.Scene, choice: SubjectChoice, name: str) -> preset.Preset:
-    """All that the last vibe or preset changed, which the scene then shows; a VibeError if that is nothing."""
+    """A preset of all values that the last vibe or preset changed; raises VibeError if there are none.
+
+    The scene then shows the look, not the original.
+    """
     settings = scene.vibe
     settings.show_original = False
     scene_reading = reading.read_scene(scene, choice)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders by Cycles: final pictures, anchors, bakes of node networks."""
+"""Renders by Cycles: final renders, anchors, light layers, bakes of node networks."""

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Anchors: small Cycles pictures of the values of a round, by which the engine corrects its prediction.
+"""Anchors: small Cycles renders of the search's current values, by which the engine corrects its prediction.
 
-The scene is the artist's again as soon as the picture is done. A render is linear in the power of every light, so
-each of them, and the world, is rendered into a light group of its own as well.
+After each render the scene has the artist's values again. A render is linear in the power of every light, so each light,
+and the world, is also rendered into a light group of its own.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from . import final_render, light_groups
 def answer_anchor(
     scene: Scene, folder: Path, request: messages.Anchor, subject: Sequence[Object], pivot: Sequence[float]
 ) -> messages.Anchored:
-    """Renders the anchor that the engine requests; a failure becomes its answer and does not end the vibe."""
+    """Renders the anchor that the engine requests. A failure is reported in the answer and does not end the vibe."""
     start = time.monotonic()
     name = f"anchor-{request.number}.exr"
     if bpy.app.is_job_running("RENDER"):
@@ -33,7 +33,7 @@ def answer_anchor(
         groups = render_anchor(
             scene, folder / name, request.values, subject, pivot, request.size, request.samples, request.seed
         )
-    except Exception as error:  # whatever it is, the vibe can do without this picture
+    except Exception as error:  # of any kind: the vibe goes on without this render
         text = error.message if isinstance(error, schema.VibeError) else f"{type(error).__name__}: {error}"
         return messages.Anchored(request.number, error=" ".join(text.split()) or "it failed")
     return messages.Anchored(request.number, name, groups, round(time.monotonic() - start, 3))
@@ -49,13 +49,13 @@ def render_anchor(
     samples: int = 32,
     seed: int = 0,
 ) -> dict[str, str]:
-    """Renders the scene at other values, denoised, before compositor and view transform, to a multilayer EXR.
+    """Renders the scene with other values (by key), without compositor and view transform, to a multilayer EXR.
 
-    The file has the layers "Combined", "Noisy Image" and one "Combined_…" of every light group, in scene-linear light.
+    The file has the scene-linear layers "Combined" (denoised), "Noisy Image" and one "Combined_…" for each light group.
     It appears whole or not at all, and the scene is left exactly as it was.
 
     Returns:
-        Light group to the owner of its light: "light/NAME" or "world". Other light is only in the whole.
+        Name of each light group to its owner, "light/NAME" or "world". Light of other sources is only in "Combined".
     """
     linear_values = {key: value for key, value in values.items() if not key.startswith("film/")}
     with bindings.trial(scene, linear_values, subject, pivot), copied_scene(scene) as twin:
@@ -69,7 +69,7 @@ def render_anchor(
 
 
 def _emitters(scene: Scene) -> dict[str, list[bpy.types.ID]]:
-    """Every light that can be edited, and the world: owner of its light to the data-blocks that are one light group."""
+    """Owner ("light/NAME" or "world") to the data-blocks of its light group; lights with the same data share a group."""
     sharing = light_groups.sharing_data(light_groups.all_lights(scene))
     emitters: dict[str, list[bpy.types.ID]] = {
         f"light/{name}": [*members] for name, members in sharing.items()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Linear pictures that Cycles renders in a scene of ours, to measure the values of node networks."""
+"""Linear Cycles renders of temporary scenes, which measure the values of node networks; and pixels of image files."""
 
 from __future__ import annotations
 
@@ -29,18 +29,21 @@ from ..scene.nodes.trails import ValueOrigin, group_output, same_socket
 _FACTOR_HEIGHT, _FACTOR_SAMPLES = 32, 64
 _WATTS = 1000.0
 LINEAR = {"media_type": "IMAGE", "file_format": "OPEN_EXR", "color_depth": "32", "color_mode": "RGB"}
-"""Settings of an image file; the later ones are valid only after the earlier ones."""
+"""`image_settings` of a linear EXR, to be set in this order: the later ones are valid only after the earlier ones."""
 LAYERS = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER", "color_depth": "32"}
 
 
 def png(mode: str, depth: str = "8") -> dict[str, Any]:
-    """Settings of a PNG file."""
+    """`image_settings` of a PNG: `mode` is "RGB" or "RGBA", `depth` the bits of a channel."""
     kind = {"media_type": "IMAGE", "file_format": "PNG"}
     return {**kind, "color_mode": mode, "color_depth": depth, "compression": 15}
 
 
 def render_file(scene: Scene, path: Path, kind: Mapping[str, Any], **options: str) -> None:
-    """Renders a scene of ours to a file of a kind, atomically; `options` are those of Blender's operator."""
+    """Renders a temporary scene to a file, atomically.
+
+    `kind` has the file's `image_settings`, such as `LINEAR`; `options` are passed to `bpy.ops.render.render`.
+    """
     assign(scene.render.image_settings, **kind)
     assign(scene.render, use_overwrite=True, use_file_extension=True)
     with whole(path) as part:
@@ -49,7 +52,7 @@ def render_file(scene: Scene, path: Path, kind: Mapping[str, Any], **options: st
 
 
 def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
-    """Renders the scene with Cycles as it is set up: (H, W, 3) float32, scene linear, row 0 at the bottom."""
+    """Renders the scene with Cycles, without bounces: (H, W, 3) float32, scene-linear, row 0 at the bottom."""
     scene.render.engine = "CYCLES"
     exact = {"samples": samples, "use_denoising": False, "use_adaptive_sampling": False}
     with tempfile.TemporaryDirectory() as folder, changed(scene.cycles, device="CPU", max_bounces=0, **exact):
@@ -60,7 +63,10 @@ def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
 
 
 def render_passes(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
-    """Renders a scene; its first layer's passes by name: (H, W, RGBA or XYZW) float32, row 0 at the bottom."""
+    """Renders a scene; returns the passes of its first rendered view layer, by name.
+
+    A pass is (H, W, C) float32, row 0 at the bottom; its channels C are in the order RGBA or XYZW.
+    """
     layer = rendered.layer(scene)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "passes.exr"
@@ -82,8 +88,8 @@ def render_passes(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
 def read_exr(path: Path) -> dict[str, np.ndarray]:
     """Channels (H, W) float32 of an OpenEXR file by their full names, row 0 at the bottom.
 
-    Blender's own Python can write such files, not read them. Only what Blender writes with the settings of `render_passes` is
-    understood: one part, scan lines, no compression, 32-bit floats (openexr.com/en/latest/OpenEXRFileLayout.html).
+    Blender's Python API writes multilayer files but cannot read them. This reads only files with the settings of
+    `render_passes`: one part, scan lines, no compression, 32-bit floats (openexr.com/en/latest/OpenEXRFileLayout.html).
     """
     data = path.read_bytes()
     if data[:4] != b"v/1\x01" or data[5] & 0b11010:  # tiles, deep data, several parts
@@ -99,7 +105,7 @@ def read_exr(path: Path) -> dict[str, np.ndarray]:
         raise ValueError(f"{path.name} is compressed")
     left, low, right, high = struct.unpack("<4i", header["dataWindow"])
     width, height = right - left + 1, high - low + 1
-    names, table, place = [], header["channels"], 0  # in the order of the lines' content
+    names, table, place = [], header["channels"], 0  # channels, in the order in which each scan line has them
     while table[place]:
         end = table.index(b"\0", place)
         if struct.unpack_from("<i", table, end + 1)[0] != 2:
@@ -107,7 +113,7 @@ def read_exr(path: Path) -> dict[str, np.ndarray]:
         names.append(table[place:end].decode())
         place = end + 17
     line = 4 * width * len(names)
-    begin = at + 1 + 8 * height  # after the table of lines, which follow one another
+    begin = at + 1 + 8 * height  # the first scan line, after the table of their offsets
     rows = np.frombuffer(data, np.uint8, height * (line + 8), begin).reshape(height, line + 8)
     values = np.ascontiguousarray(rows[:, 8:]).view("<f4").reshape(height, len(names), width)
     return {name: values[::-1, i] for i, name in enumerate(names)}
@@ -129,14 +135,14 @@ def read_file(path: Path) -> np.ndarray:
 
 
 def image_pixels(image: bpy.types.Image) -> np.ndarray:
-    """Red, green and blue of `image_channels`; what is not finite counts as 0, as it does in Cycles."""
+    """Red, green and blue of `image_channels`: (H, W, 3); values that are not finite become 0, as in Cycles."""
     values = np.nan_to_num(image_channels(image), copy=False, nan=0.0, posinf=0.0, neginf=0.0)
     return values[..., :3] if image.channels >= 3 else np.repeat(values[..., :1], 3, axis=-1)
 
 
 @contextmanager
 def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.types.Material]:
-    """A copy of a material (and of the groups on the way) that emits one of its outputs; removed after the block."""
+    """A copy of a material that emits the value at `origin`; removed after the block, with its copies of node groups."""
     twin = material.copy()
     compat.drop_action(twin.node_tree)
     with temporary(twin, *emit(twin.node_tree, origin, "Emission", "Material")):
@@ -144,7 +150,10 @@ def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.
 
 
 def emit(tree: bpy.types.NodeTree, origin: ValueOrigin, shader: str, output: str) -> list[bpy.types.NodeTree]:
-    """Lets the tree of a copied material or world emit one of its outputs; returns the copies of groups made for it."""
+    """Makes a copied material or world emit the value at `origin` in its tree; returns the node groups copied for it.
+
+    `shader` and `output` are "Emission" and "Material", or "Background" and "World".
+    """
     exit_, groups = _exposed_output(tree, origin)
     glow = tree.nodes.new(f"ShaderNode{shader}")
     tree.links.new(exit_, glow.inputs["Color"])
@@ -158,7 +167,7 @@ def emit(tree: bpy.types.NodeTree, origin: ValueOrigin, shader: str, output: str
 def _exposed_output(
     tree: bpy.types.NodeTree, origin: ValueOrigin
 ) -> tuple[bpy.types.NodeSocket, list[bpy.types.NodeTree]]:
-    """An output in a tree for the value of one inside its node groups, and the copies of groups made for it."""
+    """The output socket, at the top level of a tree, of the value at `origin`; and the node groups copied for it."""
     groups, holders = [], []
     for name in (group.name for group in origin.inside):
         holders.append(tree.nodes[name])
@@ -177,9 +186,12 @@ def _exposed_output(
 
 
 def bake_view(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -> np.ndarray:
-    """The camera's view of the scene when everything has this (glowing) material: (H, W, 3) linear."""
+    """The camera's view of the scene with one emitting material on all objects: (H, W, 3), scene-linear.
+
+    `size` is the longer side in pixels.
+    """
     sides = scene.render.resolution_x, scene.render.resolution_y
-    width, height = (max(16, round(size * side / max(sides))) for side in sides)  # Blender refuses fewer
+    width, height = (max(16, round(size * side / max(sides))) for side in sides)  # 16: Blender's minimum
     with copied_scene(
         scene, resolution_x=width, resolution_y=height, resolution_percentage=100, film_transparent=False
     ) as twin:
@@ -189,7 +201,7 @@ def bake_view(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -
 
 
 def bake_uvs(material: bpy.types.Material, size: int) -> np.ndarray:
-    """A (glowing) material over the unit square of its UVs: (size, size, 3) linear, row 0 at v = 0."""
+    """An emitting material over the unit square of UV space: (size, size, 3), scene-linear, row 0 at v = 0."""
     with empty_scene(size, size) as scene:
         mesh = bpy.data.meshes.new("Vibe Bake")
         mesh.from_pydata([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [], [(0, 1, 2, 3)])
@@ -204,14 +216,14 @@ def bake_uvs(material: bpy.types.Material, size: int) -> np.ndarray:
 
 
 def bake_world(world: bpy.types.World, height: int, samples: int) -> np.ndarray:
-    """A world as an environment texture: (height, 2 * height, 3) linear, row 0 straight down."""
+    """A world as an equirectangular environment texture: (height, 2 * height, 3), scene-linear, row 0 straight down."""
     with empty_scene(2 * height, height) as scene:
         scene.world = world
         return _bake_panorama(scene, samples)
 
 
 def _bake_panorama(scene: bpy.types.Scene, samples: int) -> np.ndarray:
-    """The surroundings of the camera of a scene of ours, laid out as in `bake_world`."""
+    """The panorama around the camera of a temporary scene, laid out as in `bake_world`."""
     camera = scene.camera
     camera.data.type = "PANO"
     target = camera.data if hasattr(camera.data, "panorama_type") else camera.data.cycles
@@ -223,7 +235,7 @@ def _bake_panorama(scene: bpy.types.Scene, samples: int) -> np.ndarray:
 
 @contextmanager
 def empty_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
-    """A new scene with nothing but a camera."""
+    """A new scene with nothing but a camera; removed after the block."""
     scene = bpy.data.scenes.new("Vibe Bake")
     data = bpy.data.cameras.new("Vibe Bake")
     camera = bpy.data.objects.new("Vibe Bake", data)
@@ -236,9 +248,10 @@ def empty_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
 
 
 def mean_light_factor(light: Object, pivot: Vector) -> tuple[float, float, float]:
-    """The mean factor of a light's nodes (IES, gobos) on its light toward the pivot, without a Blackbody's temperature.
+    """The mean factor (red, green, blue) by which a light's nodes (IES, gobos) change its light toward the pivot.
 
-    The light shines on a ball around it that is as wide as the subject is far: with its nodes, and without.
+    It is the ratio of two renders of a ball around the light, with and without the nodes. The ball's radius is the
+    distance to the pivot, or 1 for a sun. The color of a Blackbody node is left out.
     """
     endless = not type_of(light).has_position
     way = pivot - light.matrix_world.translation
@@ -250,7 +263,7 @@ def mean_light_factor(light: Object, pivot: Vector) -> tuple[float, float, float
         without_nodes = _bake_panorama(scene, _FACTOR_SAMPLES)
     weight = _weights(toward.normalized())
     total = (without_nodes * weight).sum((0, 1))
-    if total.max() <= 0.0:  # it looks away from the subject
+    if total.max() <= 0.0:  # the light shines away from the subject: count all directions
         weight = np.ones_like(weight)
         total = (without_nodes * weight).sum((0, 1))
     red, green, blue = ((with_nodes * weight).sum((0, 1)) / np.maximum(total, 1e-9)).tolist()
@@ -258,7 +271,7 @@ def mean_light_factor(light: Object, pivot: Vector) -> tuple[float, float, float
 
 
 def _weights(toward: Vector) -> np.ndarray:
-    """(H, 2H, 1): solid angle of each texel of a panorama, times the cosine to a direction."""
+    """Weight of each texel of a panorama: solid angle times the cosine to a unit vector, at least 0; (H, 2H, 1)."""
     elevation = ((np.arange(_FACTOR_HEIGHT) + 0.5) / _FACTOR_HEIGHT - 0.5) * math.pi
     azimuth = (0.5 - (np.arange(2 * _FACTOR_HEIGHT) + 0.5) / (2 * _FACTOR_HEIGHT)) * 2 * math.pi
     across = np.cos(elevation)[:, None]
@@ -268,7 +281,7 @@ def _weights(toward: Vector) -> np.ndarray:
 
 @contextmanager
 def _lit_ball(light: Object, radius: float) -> Iterator[tuple[Scene, Light]]:
-    """A scene with a copy of a light in the middle of a ball, and the copy's data."""
+    """A temporary scene with a copy of a light at the center of a ball, and the copy's light data."""
     data, mesh = light.data.copy(), bpy.data.meshes.new("Vibe Bake")
     shape = bmesh.new()
     bmesh.ops.create_uvsphere(shape, u_segments=32, v_segments=16, radius=radius)

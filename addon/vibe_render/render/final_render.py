@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Final pictures: the scene's own render with Cycles, a mask of the subject in it, and whether one is black."""
+"""Final renders: the scene's own render with Cycles, a mask of the subject, and a test for black images."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from . import bake, light_groups
 from .light_groups import LightLayer
 
 _NOISE = 0.05
-"""Noise of a pixel below which its sampling stops: the denoiser does the rest."""
+"""Noise of a pixel below which adaptive sampling stops; the denoiser removes the rest."""
 
 _MASK_SAMPLES = 16
 
-_BLACKEST = 0.02  # of white, as the picture is stored: what is darker everywhere shows nothing
+_BLACKEST = 0.02  # share of white, as stored: an image without a brighter pixel is black
 
 
 def render_picture(
@@ -41,14 +41,14 @@ def render_picture(
     The file appears whole or not at all; a VibeError says why it cannot be written.
 
     Args:
-        size: Longer side of the picture, pixels; the scene's aspect is kept.
-        samples: Most samples in a pixel.
-        exact: Take every sample of every pixel, and leave the noise as it is: for measurements.
-        lights: A multilayer EXR for the light layers of the same render: scene-linear, with noise, before compositor
+        size: Longer side of the image, pixels; the scene's aspect is kept.
+        samples: Maximum number of samples per pixel.
+        exact: Without adaptive sampling and denoising: for measurements.
+        lights: Path of a multilayer EXR for the light layers of the same render: scene-linear, noisy, before compositor
             and exposure.
 
     Returns:
-        The light layers in that file, each named as its light group; none without the file.
+        The light layers in the EXR, each named as its light group; empty without `lights`.
     """
     layers: list[LightLayer] = []
     with copied_scene(scene, graded=True) as twin:
@@ -70,7 +70,7 @@ def render_picture(
 
 
 def render_final(scene: bpy.types.Scene, path: Path) -> None:
-    """Renders the current frame to a PNG as the scene is set up, but with Cycles; see `render_picture`."""
+    """Renders the current frame to a PNG with the scene's own settings, but with Cycles; see `render_picture`."""
     own = {name: getattr(scene.render, name) for name in ("use_sequencer", "use_border", "use_multiview")}
     with copied_scene(scene, graded=True, engine="CYCLES", **own) as twin:
         bake.render_file(twin, path, bake.png("RGBA" if scene.render.film_transparent else "RGB"))
@@ -79,15 +79,15 @@ def render_final(scene: bpy.types.Scene, path: Path) -> None:
 def render_layers(
     twin: bpy.types.Scene, layer: bpy.types.ViewLayer, path: Path, size: int, samples: int, seed: int
 ) -> None:
-    """Renders one view layer as `render_picture` does, with all its passes to a compressed EXR of 32-bit floats."""
+    """Renders one view layer as `render_picture` does; writes all its passes to a compressed 32-bit float EXR."""
     _set_up(twin, size, samples, seed)
     bake.render_file(twin, path, {**bake.LAYERS, "exr_codec": "ZIP"}, layer=layer.name)
 
 
 def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable[bpy.types.Object]) -> None:
-    """Renders a gray PNG that is white where the subject covers a pixel all; `size` is its longer side, pixels.
+    """Renders a gray PNG: the share of each pixel that the subject covers, white for all of it.
 
-    Objects in front of the subject hide it; fog and the grade do not.
+    Objects in front of the subject hide it; fog and the grade do not. `size` is the longer side in pixels.
     """
     theirs = {o.name_full for o in subject}
     with ExitStack() as stack:
@@ -106,7 +106,7 @@ def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable
 
 
 def _set_up(twin: bpy.types.Scene, size: int, samples: int, seed: int) -> None:
-    import _cycles  # type: ignore[import-not-found]  # there as soon as the Cycles add-on is
+    import _cycles  # type: ignore[import-not-found]  # exists once the Cycles add-on is enabled
 
     denoises = bool(getattr(_cycles, "with_openimagedenoise", False))
     render = twin.render
@@ -129,7 +129,7 @@ def _set_up(twin: bpy.types.Scene, size: int, samples: int, seed: int) -> None:
         adaptive_threshold=_NOISE,
         adaptive_min_samples=min(16, samples),
         use_denoising=denoises,
-        # a fifth of the whole time less, for no difference to be seen, but in fog, where albedo and normals have noise too
+        # FAST saves a fifth of the time without a visible difference, except in fog, where albedo and normals are noisy
         denoising_prefilter="ACCURATE" if any(map(is_fog, twin.objects)) else "FAST",
         time_limit=0.0,
     )
@@ -138,18 +138,18 @@ def _set_up(twin: bpy.types.Scene, size: int, samples: int, seed: int) -> None:
 
 
 def is_fog(thing: bpy.types.Object) -> bool:
-    """True for a volume, and a thing of which all materials are fog."""
+    """True for a volume, and for an object that has materials, but none with a surface."""
     slots = [slot.material for slot in thing.material_slots if slot.material]
     return thing.type == "VOLUME" or (bool(slots) and not any(rendered.has_surface(m) for m in slots))
 
 
 def join_pictures(pictures: Sequence[Path], path: Path) -> None:
-    """Writes pictures of one size next to each other, from left to right, into one PNG, atomically."""
+    """Writes images of the same size next to each other, from left to right, into one PNG, atomically."""
     _save(np.concatenate([bake.read_file(picture)[..., :3] for picture in pictures], axis=1), path)
 
 
 def _save(pixels: np.ndarray, path: Path) -> None:
-    """Writes an opaque picture, (H, W, 3) from its lowest row, as a PNG, atomically."""
+    """Writes an opaque image, (H, W, 3) with row 0 at the bottom, as a PNG, atomically."""
     height, width, _ = pixels.shape
     with temporary(bpy.data.images.new("Vibe Picture", width, height, alpha=False, is_data=True)) as image:
         image.pixels.foreach_set(np.pad(pixels, ((0, 0), (0, 0), (0, 1)), constant_values=1.0).ravel())
@@ -159,5 +159,5 @@ def _save(pixels: np.ndarray, path: Path) -> None:
 
 
 def is_black(picture: Path) -> bool:
-    """True if a picture shows nothing: every pixel of it is black."""
+    """True if every pixel of an image is black."""
     return bool(bake.read_file(picture)[..., :3].max() < _BLACKEST)

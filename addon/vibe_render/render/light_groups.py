@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light layers: lights of a scene that are rendered together, by Cycles' light groups; and their mix, graded anew.
+"""Light layers: sources of light that Cycles renders into one light group each; and their mix, through the compositor.
 
-Light adds up, so the layers of a render add up to its image. What is in no group (a linked light, glowing fog) is only
-in the whole.
+Light adds up, so the layers of a render add up to its image. Sources in no light group (a linked light, emitting fog)
+are only in the whole image.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from ..scene.nodes.owned import is_unseen
 from . import bake
 
 MOST = 12
-"""The most layers of lights: more are more sliders than one mixes by, and each layer takes memory."""
+"""Maximum number of layers for lights: more sliders are hard to use, and each layer takes memory."""
 _LITTLE = 1e-3
-"""The share of all light below which what no layer has is rounding and the denoiser's, and not light."""
+"""Share of all light: if less than this is in no layer, it counts as a rounding error, not as light."""
 _LINEAR = {**bake.LINEAR, "color_mode": "RGBA"}
 WORLD, EMISSION, REST = "World", "Emission", "Other Lights"
 
@@ -48,11 +48,11 @@ class LightLayer:
 def light_layers(scene: Scene) -> list[LightLayer]:
     """The layers of a scene: the artist's light groups, then the other lights, the world and all emitting materials.
 
-    Lights that share their data are in one layer. Of more lights than `MOST`, numbered copies ("Bulb", "Bulb.001") are
-    in one layer, and then the faintest.
+    Lights that share their data are in one layer. If this gives more than `MOST` layers of lights, numbered copies
+    ("Bulb", "Bulb.001") share a layer. If there are still more, the faintest lights share one.
     """
     layer = rendered.layer(scene)
-    layer.update()  # what was added just now is a member then
+    layer.update()  # so that objects that were added just now are in it
     world = rendered.world(scene)
     sources: list[ID] = [m for m in (*all_lights(scene), world, *_glowing(scene)) if m and m.is_editable]
     names = [group.name for group in layer.lightgroups]
@@ -77,14 +77,14 @@ def is_light(block: ID) -> bool:
 
 
 def all_lights(scene: Scene) -> list[Object]:
-    """The lights that a render shows, those of instances too, each once."""
+    """The lights that a render shows, also those of instances, each once."""
     return list(
         dict.fromkeys([*rendered.lights(scene), *(each for each, _ in rendered.instanced_lights(scene))])
     )
 
 
 def sharing_data(lights: Iterable[Object]) -> dict[str, list[Object]]:
-    """Lights that share their data, by the name of the first."""
+    """Lights grouped by their light data; the key is the name of the first light."""
     found: dict[ID, list[Object]] = {}
     for light in lights:
         found.setdefault(light.data, []).append(light)
@@ -115,7 +115,7 @@ def _few(lights: Sequence[Object]) -> dict[str, list[Object]]:
         return stems
 
     def power(name: str) -> tuple[bool, float]:
-        """A sun's is per square meter: it counts before all others."""
+        """Sort key by brightness: suns, whose power is per square meter, count as brighter than all others."""
         return any(o.data.type == "SUN" for o in stems[name]), sum(o.data.energy for o in stems[name])
 
     apart = set(sorted(stems, key=power, reverse=True)[: MOST - 1])
@@ -125,7 +125,10 @@ def _few(lights: Sequence[Object]) -> dict[str, list[Object]]:
 
 @contextmanager
 def grouped(layer: ViewLayer, groups: Iterable[tuple[str, Sequence[ID]]]) -> Iterator[list[str]]:
-    """Puts sources of light into new light groups of a copied scene, within the block; yields their names."""
+    """Puts sources of light into new light groups of a copy's view layer for the block; yields the groups' names.
+
+    Each item of `groups` is a proposed name, which Blender may number, and the sources.
+    """
     with ExitStack() as stack:
         names = []
         for wanted, members in groups:
@@ -137,7 +140,7 @@ def grouped(layer: ViewLayer, groups: Iterable[tuple[str, Sequence[ID]]]) -> Ite
 
 @contextmanager
 def apart(scene: Scene, layer: ViewLayer) -> Iterator[list[LightLayer]]:
-    """The layers of a scene as light groups of a copy's view layer, each named as its group, within the block."""
+    """Gives each light layer a group in a copy's view layer for the block; yields the layers, named as the groups."""
     layers = light_layers(scene)
     new = [each for each in layers if not each.own]
     with grouped(layer, [(each.name, each.members) for each in new]) as names:
@@ -146,15 +149,16 @@ def apart(scene: Scene, layer: ViewLayer) -> Iterator[list[LightLayer]]:
 
 
 class LightMix:
-    """The light layers of a render in memory. With all factors 1 the mix is that render.
+    """The light layers of a render, in memory. If all factors are 1, the mix is the render.
 
     Attributes:
-        layers: By the name of the light group, (H, W, 3) float32, scene-linear, row 0 at the bottom, without noise.
-        rest: (H, W, 4) float32: what no layer has, and the alpha of the image.
+        layers: Name of the light group to its light: (H, W, 3) float32, scene-linear, row 0 at the bottom,
+            denoised if the render is.
+        rest: (H, W, 4) float32: the light that is in no layer, and the alpha of the image.
     """
 
     def __init__(self, path: Path, view_layer: str, names: Sequence[str], size: tuple[int, int]) -> None:
-        """Reads light groups of a file of `render_picture`, which has to stay; `size` is width and height."""
+        """Reads light groups from an EXR of `render_picture`, which `write` reads again; `size` is width and height."""
         self._path = path
         self.layers: dict[str, np.ndarray] = {}
         with _opened(path, size) as (scene, image):
@@ -171,7 +175,7 @@ class LightMix:
         self.rest = whole
         total = np.sum([*self.layers.values(), np.zeros_like(unnamed)], 0)
         if np.abs(unnamed).sum() < _LITTLE * np.abs(noisy[..., :3]).sum():
-            # The denoiser makes each layer a little different from its share of the whole.
+            # Each layer is denoised alone, so their sum differs a little from the denoised image: scale it to the image.
             share = np.divide(whole[..., :3], total, out=np.ones_like(total), where=total > 1e-6)
             for layer in self.layers.values():
                 layer *= share
@@ -179,16 +183,16 @@ class LightMix:
         self.rest[..., :3] -= total
 
     def mixed(self, factors: Mapping[str, Sequence[float]]) -> np.ndarray:
-        """The sum of the layers times their factors, 1 without one: (H, W, 4) float32, scene-linear."""
+        """`rest` plus each layer times its factor (red, green, blue), by default 1: (H, W, 4) float32, scene-linear."""
         image = self.rest.copy()
         for name, layer in self.layers.items():
             image[..., :3] += layer * np.array(factors.get(name, (1.0, 1.0, 1.0)), np.float32)
         return np.maximum(image, 0.0, out=image)
 
     def write(self, scene: Scene, path: Path, factors: Mapping[str, Sequence[float]]) -> None:
-        """Writes the mix as a PNG, through the scene's compositor and view transform. Nothing is rendered.
+        """Writes the mix as a PNG, through the scene's compositor and view transform, without a new render.
 
-        Other passes that the compositor uses are those of the file. A mix of ours in it is left out.
+        Other passes that the compositor uses come from the EXR. A Vibe Light Mix node in it is muted.
         """
         height, width, _ = self.rest.shape
         image = bpy.data.images.new("Vibe Mix", width, height, alpha=True, float_buffer=True, is_data=True)
@@ -206,7 +210,7 @@ class LightMix:
 
 
 def _feed(tree: NodeTree, image: Image, passes: Image, first: str) -> None:
-    """Puts images in the place of Render Layers nodes, `image` in that of the first view layer."""
+    """Replaces Render Layers nodes: the image of the layer `first` by `image`, other passes by those of `passes`."""
     for node in list(tree.nodes):
         if node.type == "GROUP" and node.node_tree:
             node.mute = node.mute or node.node_tree.get(rendered.MARK) == mix.NAME
@@ -234,7 +238,7 @@ def _image_node(tree: NodeTree, image: Image, view_layer: str = "") -> Node:
 
 @contextmanager
 def _opened(path: Path, size: tuple[int, int]) -> Iterator[tuple[Scene, Image]]:
-    """A scene with a compositor that renders nothing, and an image of a file; both removed afterwards."""
+    """A temporary scene whose compositor has no Render Layers, and an image of a file; removed after the block."""
     journal = Journal()
     with bake.empty_scene(*size) as scene, temporary(bpy.data.images.load(str(path))) as image:
         try:
@@ -247,7 +251,7 @@ def _opened(path: Path, size: tuple[int, int]) -> Iterator[tuple[Scene, Image]]:
 
 
 def _rendered(scene: Scene, source: Node, name: str, denoised: bool = False) -> np.ndarray:
-    """A pass of an Image node: (H, W, 4) float32."""
+    """A pass of an Image node, denoised if requested: (H, W, 4) float32, row 0 at the bottom."""
     tree = source.id_data
     target, output = compat.compositor_output(tree), source.outputs[name]
     assert target

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The picture that a look is to be like (a file, an image of the .blend, or a render slot), as a file for the engine."""
+"""The reference image (a file, an image of the .blend, or a render slot), as a file for the engine."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _NAME = "reference"
 
 
 def picture_name(settings: Any) -> str:
-    """The name of the picture; "" if none is given."""
+    """The name of the reference image; "" if none is chosen."""
     if settings.like_from == "FILE":
         return Path(settings.like.replace("\\", "/")).name
     if settings.like_from == "IMAGE":
@@ -28,13 +28,13 @@ def picture_name(settings: Any) -> str:
 
 
 def request_title(prompt: str, like: str) -> str:
-    """The request, as panels show it: the words in quotation marks, and the picture's name."""
+    """The request, as panels show it: the words in quotation marks, and the reference image's name."""
     parts = [f"“{prompt}”" if prompt else "", f"like {like}" if like else ""]
     return " ".join(filter(None, parts))
 
 
 def picture_obstacle(settings: Any) -> str:
-    """The reason why the chosen picture cannot be used; "" if it can, or there is none."""
+    """The reason why the reference image cannot be used; "" if it can be, or none is chosen."""
     if settings.like_from == "FILE" and settings.like and not Path(_absolute(settings.like)).is_file():
         return f"There is no picture {picture_name(settings)}"
     if settings.like_from == "SLOT" and _render_result() is None:
@@ -43,7 +43,10 @@ def picture_obstacle(settings: Any) -> str:
 
 
 def picture_path(scene: bpy.types.Scene, folder: Path) -> str:
-    """The path of the picture, "" without one; an image or slot is saved first. A VibeError if it is missing."""
+    """The path of the reference image; "" if none is chosen.
+
+    An image of the .blend or a render slot is first saved to the folder. Raises VibeError if it is missing.
+    """
     settings = scene.vibe
     if not picture_name(settings):
         return ""
@@ -57,14 +60,14 @@ def picture_path(scene: bpy.types.Scene, folder: Path) -> str:
 
 
 def _absolute(path: str) -> str:
-    """Of a path from the .blend's folder ("//…"), or else from the current one."""
+    """The absolute form of a path that is relative to the .blend's folder ("//…") or to the current folder."""
     return os.path.abspath(bpy.path.abspath(os.path.expanduser(path)))
 
 
 def _save_image(image: bpy.types.Image, folder: Path) -> Path:
-    """Saves the pixels that Blender holds, painted ones and those of a packed file too: light as EXR, colors as PNG."""
+    """Saves an image's pixels as Blender has them, also painted or packed ones: floats as EXR, bytes as PNG."""
     width, height = image.size
-    if width * height == 0:  # reads the file, or fails to
+    if width * height == 0:  # `size` reads the file; it is 0 if that fails
         raise schema.VibeError(f"The image {image.name} has no pixels.", "Choose another one.")
     rgba = np.ones((width * height, 4), np.float32)
     rgba[:, : image.channels] = bake.image_channels(image).reshape(-1, image.channels)
@@ -74,7 +77,7 @@ def _save_image(image: bpy.types.Image, folder: Path) -> Path:
     copy = bpy.data.images.new(_NAME, width, height, alpha=True, float_buffer=image.is_float)
     with temporary(copy):
         copy.alpha_mode = image.alpha_mode
-        # Of no color space, numbers are saved as they are: light linear, colors encoded.
+        # Without a color space, numbers are saved unchanged: linear for floats, encoded for bytes.
         copy.colorspace_settings.is_data = True
         copy.pixels.foreach_set(rgba.ravel())
         copy.file_format = "OPEN_EXR" if image.is_float else "PNG"
@@ -84,14 +87,14 @@ def _save_image(image: bpy.types.Image, folder: Path) -> Path:
 
 
 def _save_slot(scene: bpy.types.Scene, slot: int, folder: Path) -> Path:
-    """Saves what was rendered into a slot, as the scene's view transform shows it."""
+    """Saves the render in a slot, with the scene's view transform, as a PNG."""
     result = _render_result()
     assert result is not None
     path, slots = folder / f"{_NAME}.png", result.render_slots
     if slot > len(slots):
         raise schema.VibeError(f"There is no render slot {slot}.", f"Use 1 to {len(slots)}.")
     shown = slots.active_index
-    # A copy of the scene has no render result.
+    # The scene itself is used, because a copy of it has no render result.
     with changed(scene.render.image_settings, **bake.png("RGBA", "16")):
         try:
             slots.active_index = slot - 1

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The driver of a vibe: generators that talk to the engine, and yield the stage in words whenever there is nothing to do.
+"""The driver of a vibe: generators that talk to the engine, and yield the present stage, in words, whenever they wait.
 
-The panel advances them by a timer, so that Blender stays free between two steps; without a window, `drive` is the loop.
+The panel advances them by a timer, so that Blender stays usable between two steps; without a window, `drive` does so.
 """
 
 from __future__ import annotations
@@ -35,18 +35,18 @@ _Answer = TypeVar("_Answer", messages.Result, messages.Finished, messages.Checke
 
 
 class Driver:
-    """One vibe as the engine works on it: requests, its answers, and what it has reported.
+    """One vibe as the engine works on it: sends requests, takes answers, keeps what the engine has reported.
 
     Attributes:
-        patience: Seconds of silence after which the engine is taken to hang.
+        patience: Seconds without a message after which the engine is ended.
         stage: The present stage, in words.
         progress: The newest progress message.
-        before: The engine's picture of the scene as it was.
+        before: The engine's image of the scene before the vibe.
         look: The newest look that is shown in the scene before the result.
-        words: Word to whether that look's picture shows it.
-        preview: The newest picture of the look.
-        variants: The variants, the best first, each with its picture; empty unless several were asked for.
-        sequence: The frames of the scene with the result that were checked.
+        words: Look word to whether it is visible on that look's image.
+        preview: The newest image of the look.
+        variants: The variants, the best first, each with its image; empty unless several were requested.
+        sequence: The frames at which the result was checked.
     """
 
     patience = math.inf
@@ -63,28 +63,28 @@ class Driver:
         self.sequence: tuple[CheckedFrame, ...] = ()
         self._job = job
         self._result: messages.Result | None = None
-        self._last_word_at = 0.0  # time of the engine's last message; 0 before it is asked
+        self._last_word_at = 0.0  # time of the engine's last message; 0 before the first request
         self._stopping = False
 
     @property
     def fraction(self) -> float:
-        """The part of the loop that is done, 0 to 1."""
+        """The part of the search that is done, 0 to 1."""
         p = self.progress
         return ((p.round - 1) * p.steps + p.step) / (p.rounds * p.steps) if p else 0.0
 
     @property
     def asked(self) -> bool:
-        """True if the engine has been given the vibe."""
+        """True if a request has been sent to the engine."""
         return self._last_word_at > 0.0
 
     @property
     def silence(self) -> float:
-        """Seconds since the engine's last message, while one is expected; otherwise 0."""
+        """Seconds since the engine's last message, from the first request to the result; otherwise 0."""
         return time.monotonic() - self._last_word_at if self.asked and not self._result else 0.0
 
     @property
     def can_stop(self) -> bool:
-        """True if there is a best look so far, which `stop` would take."""
+        """True if the search has begun and is not stopping: then `stop` gives its best look so far."""
         return self.progress is not None and not self._stopping
 
     @property
@@ -103,7 +103,7 @@ class Driver:
         return self.report.get("anchored", {}).get("notes", [])
 
     def receive(self, message: messages.Message) -> None:
-        """Takes a message of the engine's."""
+        """Updates the attributes from a message of the engine."""
         self._last_word_at = time.monotonic()
         if isinstance(message, messages.Stage):
             self.stage = message.name.capitalize()
@@ -124,24 +124,27 @@ class Driver:
             self.variants = [(v, self._job / v.picture) for v in message.variants]
 
     def stop(self) -> None:
-        """Asks for the best look so far. Any thread may call this, also before the engine has been asked."""
+        """Asks the engine to end the search with the best look so far.
+
+        Any thread may call this. Before the first request, the stop is sent right after it.
+        """
         self.stage, self._stopping = "Stopping", True
         if self.asked:
             self._engine.send(messages.Stop())
 
     def _ready_engine(self) -> Generator[str]:
-        """Starts the engine if it does not run, and waits until it has nothing else to do."""
+        """Starts the engine if it does not run, and waits until it has ended an abandoned vibe."""
         yield from self._start_engine()
         while not self._engine.settle():
             yield self.stage
-        yield from self._start_engine()  # it may have died of the last vibe
+        yield from self._start_engine()  # if that vibe did not end, the engine was ended
 
     def _start_engine(self) -> Generator[str]:
         if not self._engine.alive:
             yield from self._in_background(self._engine.start)
 
     def _in_background(self, act: Callable[[], T]) -> Generator[str, None, T]:
-        """Runs a function that needs no Blender in a thread; returns its result."""
+        """Runs a function in a thread, yields until it ends, and returns its result; it must not touch Blender's data."""
         work = background.begin(act)
         yield self.stage
         while not work.done():
@@ -155,15 +158,19 @@ class Driver:
             self._engine.send(messages.Stop())
 
     def _answer(self, kind: type[_Answer]) -> Generator[str, None, _Answer]:
-        """Follows the engine until its answer; a VibeError if it fails, is silent for too long, or is gone."""
+        """Takes messages, and answers anchors, until an answer of a kind arrives; returns that answer.
+
+        Raises VibeError if the engine fails, is silent for longer than `patience`, or has ended.
+        """
         answer = None
         while answer is None:
             yield self.stage
             self._check()
             for message in self._engine.poll():
                 self.receive(message)
-                if isinstance(message, messages.Anchor) and not self._stopping:  # a stopped one waits no more
-                    # The render blocks Blender for about a second: the stage says so before.
+                # A search that is stopping waits for no anchor.
+                if isinstance(message, messages.Anchor) and not self._stopping:
+                    # The render blocks Blender for about a second, so the stage is shown first.
                     self.stage = self._anchor_stage(message)
                     yield self.stage
                     self._engine.send(self._anchor(message))
@@ -177,7 +184,7 @@ class Driver:
         return answer
 
     def _check(self) -> None:
-        """Raises a VibeError if there is nothing to wait for any more."""
+        """Raises VibeError, and ends the engine, if it has been silent for longer than `patience`."""
         if self.silence > self.patience:
             self._engine.stop(patience=0.02)
             raise schema.VibeError(
@@ -192,7 +199,7 @@ class Driver:
         raise NotImplementedError
 
     def _show_message(self, message: messages.Message) -> None:
-        """Shows what the engine reports on its way to the answer."""
+        """Hook for subclasses: shows a message that comes before the answer."""
 
     def _check_frames(
         self,
@@ -203,9 +210,9 @@ class Driver:
         seed: int,
         first: SceneAnalysis | None = None,
     ) -> Generator[str]:
-        """Renders frames with and without the look, and measures the words; nothing in the scene changes.
+        """Renders frames with and without the look, and has the engine measure the words; the scene stays as it is.
 
-        `seen` are the words that are visible where the look was found, `first` is the analysis there.
+        `seen` are the words that are visible at the frame where the look was found; `first` is the analysis there.
         """
         self.sequence, start, shown = (), scene.frame_current, keyframes.are_shown(scene)
         try:
@@ -240,6 +247,6 @@ class Driver:
 
 
 def drive(steps: Iterator[str]) -> None:
-    """Takes all steps, one after the other, for runs without a window."""
+    """Runs a generator of steps to its end, for runs without a window."""
     for _ in steps:
         time.sleep(_PAUSE)

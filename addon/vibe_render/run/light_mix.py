@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A light mix of the open scene: its render, one slider for each light layer, and the mix in the scene or its compositor."""
+"""A light mix of the open scene: renders the light layers, mixes them, writes the mix to the scene or its compositor."""
 
 from __future__ import annotations
 
@@ -34,21 +34,28 @@ _BACKDROP = "backdrop_"
 
 @dataclass(frozen=True)
 class MixChannel:
-    """A light layer as a slider."""
+    """A light layer, and what its slider needs."""
 
-    name: str  # of its light group
+    name: str  # of the light group
     title: str
     icon: str
     objects: tuple[str, ...]  # names of its lights and of objects that glow
     world: bool
-    values: Mapping[str, schema.Values]  # by key of the schema, what the scene had when it was rendered
+    values: Mapping[str, schema.Values]  # its powers and colors at the time of the render, by key
 
 
 class RenderedMix:
-    """The light layers of the scene's newest render, with a channel for each, and its picture and that of the present mix."""
+    """The light layers of the scene's newest render.
+
+    Attributes:
+        uid: The scene's session uid.
+        channels: One channel for each light layer.
+        rendered: The file of the render, a PNG.
+        picture: The file of the present mix, a PNG.
+    """
 
     def __init__(self, scene: Scene) -> None:
-        """Renders the scene with Cycles. Raises VibeError if there is nothing to mix, or no room on the disk."""
+        """Renders the scene with Cycles. Raises VibeError if it has no light, or the disk is full."""
         self.uid = scene.session_uid
         self._folder = Path(bpy.app.tempdir) / f"vibe-mix-{uuid.uuid4().hex[:8]}"
         self._folder.mkdir()
@@ -68,7 +75,7 @@ class RenderedMix:
             raise
 
     def draw(self, scene: Scene, colors: Mapping[str, Color]) -> None:
-        """Mixes the image anew; by layer, what its light is multiplied by."""
+        """Writes the image of the mix anew; `colors` are the factors of red, green and blue, by light layer."""
         self._mix.write(scene, self.picture, colors)
 
     def discard(self) -> None:
@@ -101,7 +108,7 @@ def _channels(scene: Scene, layers: Sequence[LightLayer]) -> list[MixChannel]:
 
 
 def _light_owners(scene: Scene, layer: LightLayer) -> set[tuple[str, str]]:
-    """Groups and owners of the keys of a layer's lights. Of lights that share their data the first has the keys."""
+    """("light", name), as in keys, of each light of a layer; lights that share their data have the first one's name."""
     first = {light.data: light.name_full for light in reversed(light_groups.all_lights(scene))}
     return {("light", first[m.data]) for m in layer.members if light_groups.is_light(m)}
 
@@ -115,7 +122,10 @@ def _emitting(scene: Scene, layer: LightLayer) -> set[str]:
 
 
 def mixed_values(values: Mapping[str, schema.Values], color: Color) -> dict[str, tuple[float, ...]]:
-    """Values of a channel with its light multiplied by a color: the strength by its largest part, the color by the rest."""
+    """A channel's values, by key, after its light is multiplied by a color.
+
+    Powers are multiplied by the color's largest component, colors by the color divided by that component.
+    """
     factor = max(color)
     hue = tuple(c / factor for c in color) if factor > 0.0 else WHITE
     powers = {_owner(key) for key in values if _kind(key) in _POWERS}
@@ -123,7 +133,7 @@ def mixed_values(values: Mapping[str, schema.Values], color: Color) -> dict[str,
     for key, value in values.items():
         if _kind(key) in _POWERS:
             mixed[key] = tuple(v * factor for v in value)
-        else:  # what has no strength, such as a world without nodes, gets all of it in its color
+        else:  # an owner without power, such as a world without nodes: its color gets the whole factor
             by = hue if _owner(key) in powers else color
             mixed[key] = tuple(v * c for v, c in zip(value, by, strict=True))
     return mixed
@@ -139,7 +149,10 @@ def _owner(key: str) -> tuple[str, str, bool]:
 
 
 def apply(scene: Scene, channels: Sequence[MixChannel], colors: Mapping[str, Color]) -> dict[str, str]:
-    """Writes a mix, factors since the render by channel, as a step; returns the keys left alone, and why."""
+    """Writes a mix into the scene's values as a step; returns the keys that were left alone, and why.
+
+    `colors` are the factors of red, green and blue since the render, by channel.
+    """
     values: dict[str, tuple[float, ...]] = {}
     for channel in channels:
         if channel.name in colors:
@@ -176,7 +189,7 @@ def write_nodes(scene: Scene, channels: Sequence[MixChannel], colors: Mapping[st
 
 
 def _members(scene: Scene, channel: MixChannel) -> list[ID]:
-    """The lights and objects of a channel that are still there, and its world."""
+    """The lights and objects of a channel that still exist, and the world if the channel has it."""
     local: Any = ((name, None) for name in channel.objects)
     found = [bpy.data.objects.get(name) for name in local]
     return [m for m in (*found, rendered.world(scene) if channel.world else None) if m]

@@ -16,28 +16,28 @@ from ..engine.process import Engine
 from ..scene import snapshot
 from .session import SceneSession, scene_settings
 
-_PAUSE = 0.3  # seconds without a key, after which the words are looked at
+_PAUSE = 0.3  # seconds without typing, after which a look is requested
 _SIZE = 96
-"""Longer side of its pictures, pixels: half of what the search begins with."""
+"""Longer side of Live's images, pixels: half of the size with which a search begins."""
 
 
 class Live(SceneSession):
     """Looks of words that are still being typed.
 
-    The scene is read once, and again after it has changed. Nothing but the newest look stays in it, as a preview.
+    The scene is exported once, and again after it has changed. It keeps nothing but the newest look, as a preview.
     """
 
     def __init__(self, context: bpy.types.Context, engine: Engine) -> None:
         super().__init__(context, engine)
         self.stage = ""
-        self._words, self._due = "", 0.0  # time at which the words are looked at; 0 for not
-        self._read: tuple[Any, ...] | None = None  # settings of the scene that was read; None if stale
+        self._words, self._due = "", 0.0  # time at which a look is requested; 0 if none is due
+        self._read: tuple[Any, ...] | None = None  # settings of the exported scene; None if stale
         self._asked = self._at_work = False
         self._steps = self._run()
 
     @property
     def busy(self) -> bool:
-        """True if there is something to do."""
+        """True if `advance` has something to do."""
         return bool(self._due or self.stage)
 
     @property
@@ -47,16 +47,16 @@ class Live(SceneSession):
 
     @property
     def job(self) -> Path | None:
-        """The job folder of the scene as it is now; None before it is read, or after it has changed."""
+        """The job folder of the scene as it is now; None before the export, or after the scene has changed."""
         scene = self._scene_if_there()
         return self._job if scene and self._read is not None and self._read == scene_settings(scene) else None
 
     def typed(self, words: str) -> None:
-        """Takes the words so far; work on others is given up."""
+        """Takes the words so far; the look of earlier words is given up."""
         self._words, self._due = words.strip(), time.monotonic() + _PAUSE
 
     def advance(self) -> None:
-        """Does the next step; a VibeError says that the scene cannot be read, or the engine is gone."""
+        """Does the next step; raises VibeError if the scene cannot be read, or the engine has ended."""
         self._at_work = True
         try:
             next(self._steps)
@@ -64,35 +64,35 @@ class Live(SceneSession):
             self._at_work = False
 
     def scene_changed(self) -> None:
-        """Has the scene read anew, unless `advance` changes it."""
+        """Marks the export as stale, unless the change comes from Live."""
         if not self._at_work:
             self._read = None
 
     def show_again(self) -> None:
-        """Shows the newest look again, which is no change of the artist's."""
+        """Shows the newest look again, which does not count as a change of the scene."""
         self._at_work, was = True, self._at_work
         super().show_again()
         self._at_work = was
 
     def hand_over(self, session: SceneSession) -> None:
-        """Leaves the look to a vibe of the same scene, which starts where it is."""
+        """Hands the look over to a vibe of the same scene, which shows it until it has a better one."""
         self._pause()
         session.take_over(self)
         self._forget_look()
 
     def clear(self) -> None:
-        """Takes the look away, until something is typed again."""
+        """Takes the look out of the scene, until something is typed again."""
         self._pause()
         self._forget_look()
         self._take_look_away()
 
     def close(self) -> None:
-        """Ends it; the scene is as it was."""
+        """Ends Live; the scene is as it was."""
         self.clear()
         self.discard()
 
     def _pause(self) -> None:
-        """Gives up the present work."""
+        """Gives up the look that is in the making."""
         self._steps.close()
         self._steps, self.stage, self._due = self._run(), "", 0.0
         self._give_up()
@@ -106,7 +106,7 @@ class Live(SceneSession):
             self._engine.abandon()
 
     def _run(self) -> Generator[str]:
-        """Look after look, without end."""
+        """Endless steps: waits for words, exports the scene if the export is stale, and requests a look."""
         while True:
             self.stage = ""
             while not self._due or time.monotonic() < self._due:
@@ -118,7 +118,7 @@ class Live(SceneSession):
                 continue
             yield from self._ready_engine()
             if self.job is None:
-                self._read = None  # nobody reads a job that is being written
+                self._read = None  # so that `job` is None while the folder is written
                 start = snapshot.mark(self._find_scene())
                 try:
                     yield from self._export()
@@ -142,7 +142,7 @@ class Live(SceneSession):
             for message in self._engine.poll():
                 if isinstance(message, messages.Glanced):
                     self._asked = False
-                    if message.values:  # nothing where no word is known yet
+                    if message.values:  # empty if no word is known yet
                         self.receive(message)
                         self.before = self._job / message.before
                         self._show(message)

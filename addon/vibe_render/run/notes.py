@@ -8,28 +8,28 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-_MOST = 4  # frames that a look is searched for besides its own
+_MOST = 4  # most frames that a search takes in addition to its own
 
 
 @dataclass(frozen=True)
 class CheckedFrame:
-    """A frame that was checked."""
+    """A frame at which a look was checked."""
 
     frame: int
-    # words that are visible where the look was found, and not here
+    # words that are visible at the frame where the look was found, and not at this one
     lost: list[str] = field(default_factory=list)
     verdicts: list[dict[str, str]] = field(default_factory=list)  # as in `messages.Finished`
-    note: str = ""  # why nothing could be measured
-    picture: Path | None = None  # with the look
+    note: str = ""  # the reason if nothing could be measured
+    picture: Path | None = None  # the render with the look
 
 
 def words_of(verdicts: Sequence[Mapping[str, str]], state: str) -> list[str]:
-    """The words of a state, see the report's `verdicts`."""
+    """The words whose verdict has a state: "visible", "already", "unmeasured" or "missed"."""
     return [row["word"] for row in verdicts if row["state"] == state and row["word"]]
 
 
 def verdict_lines(verdicts: Sequence[Mapping[str, str]]) -> list[str]:
-    """A line for the words of each state, and one for each that the picture does not show, with what would help."""
+    """A line for the words of each state, and one with the shortfall of each verdict that is missed."""
     names = {"visible": "The picture shows", "already": "Was so already", "unmeasured": "Set, not measured"}
     by_state = {name: words_of(verdicts, state) for state, name in names.items()}
     lines = [f"{name}: {', '.join(words)}." for name, words in by_state.items() if words]
@@ -44,7 +44,7 @@ def shortfall(row: Mapping[str, str]) -> str:
 
 
 def word_notes(report: Mapping[str, Any]) -> list[str]:
-    """Words that were left out or guessed, and contradictions."""
+    """Lines on words that were left out or guessed, and on contradictions."""
     understood = report.get("understood", {})
     ignored = ", ".join(dict.fromkeys(understood.get("ignored", [])))
     guesses = [f"“{word}” was taken for “{near}”" for word, near in understood.get("guesses", {}).items()]
@@ -52,7 +52,7 @@ def word_notes(report: Mapping[str, Any]) -> list[str]:
 
 
 def failure_note(report: Mapping[str, Any]) -> str:
-    """In how many rounds the offline planner replaced the vision-language model, and why; "" if it never failed."""
+    """A line on rounds in which the vision-language model failed and the offline planner took its place; else ""."""
     failures = report.get("vlm", {}).get("failures", [])
     if not failures:
         return ""
@@ -62,7 +62,7 @@ def failure_note(report: Mapping[str, Any]) -> str:
 
 
 def model_lines(report: Mapping[str, Any], judge: Mapping[str, Any]) -> list[str]:
-    """The model's part in a vibe: calls, tokens, cost, failures, and its verdict, if it was asked for one."""
+    """Lines on the vision-language model's part in a vibe: calls, tokens, cost, failures, and its verdict, if any."""
     lines = []
     if model := report.get("vlm"):
         tokens = model["tokens"]
@@ -84,18 +84,18 @@ def model_lines(report: Mapping[str, Any], judge: Mapping[str, Any]) -> list[str
 
 
 def lost_frames(checked: Sequence[CheckedFrame]) -> list[int]:
-    """Frames where a word is no longer visible: at most `_MOST`, evenly spread, as the search has all in memory."""
+    """At most `_MOST` of the frames where a word is lost, evenly spread: the search keeps all of them in memory."""
     lost = [each.frame for each in checked if each.lost]
     return lost[:: -(-len(lost) // _MOST)] if lost else []
 
 
 def steady_line(checked: Sequence[CheckedFrame]) -> str:
-    """The line for people on frames that all show the same words; "" if some do not."""
+    """A line that all checked frames show the same words; "" if one does not, or none was checked."""
     same = bool(checked) and not any(map(frame_line, checked))
     return f"At all {len(checked)} checked frames the same words are visible." if same else ""
 
 
 def frame_line(checked: CheckedFrame) -> str:
-    """A line for people on a frame that could not be checked, or where a word is no longer visible; else ""."""
+    """A line on a frame that could not be checked, or where a word is no longer visible; "" for other frames."""
     lost = f"no longer visible: {', '.join(checked.lost)}." if checked.lost else ""
     return f"Frame {checked.frame}: {checked.note or lost}" if checked.note or lost else ""

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A preview: values that are in the scene for as long as a vibe runs, and can be taken away without a trace.
 
-It is no part of the snapshot: the vibe's result is written where the artist's values are. What the artist changes while
-a preview is shown stays changed.
+A preview is not part of the snapshot: before the result is written, the scene has the artist's values again. A value
+that the artist changes while a preview is shown stays changed.
 
-And the image to compare with: of the scene before its first vibe, stored until Keep or Revert. "Before" always shows the
-artist's scene. There is one for each camera pose and frame, in Blender's temporary folder: only the same framing can be
-compared.
+This module also stores before images, to compare with: they show the artist's scene before its first vibe, and stay in
+Blender's temporary folder until Keep or Revert. There is one for each resolution, camera pose and frame, because only
+images with the same framing can be compared.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ KEY = "vibe_preview"
 def show(
     scene: Scene, values: Mapping[str, Sequence[float]], subject: Sequence[Object], pivot: Sequence[float]
 ) -> None:
-    """Shows values in place of those that are shown; a failure, as of `bindings.write`, shows none."""
+    """Shows values in place of an earlier preview; raises as `bindings.write`, and then no preview is shown."""
     _take_away(scene)
     journal = Journal()
     try:
@@ -43,25 +43,25 @@ def show(
     finally:
         rendered.layer(scene).update()
     shown = Journal()
-    shown.extend(journal)  # the first record of each value
+    shown.extend(journal)  # keeps only the first record of each value
     shown.remember()
     stored_journal.store(scene, KEY, shown)
 
 
 def exists(scene: Scene) -> bool:
-    """True if one is shown."""
+    """True if the scene shows a preview."""
     return KEY in scene
 
 
 def hide(scene: Scene) -> None:
-    """Takes the preview away, if there is one; the scene is the artist's."""
+    """Takes the preview away, if there is one; the scene has the artist's values again."""
     if exists(scene):
         _take_away(scene)
         rendered.layer(scene).update()
 
 
 def hide_all() -> None:
-    """Takes it away from every scene: one that an undo or a file has brought back, and that no vibe shows."""
+    """Takes the previews out of all scenes, also those that an undo or a loaded file has brought back."""
     for scene in bpy.data.scenes:
         if scene.is_editable:
             hide(scene)
@@ -71,7 +71,7 @@ def _take_away(scene: Scene) -> None:
     if not exists(scene):
         return
     journal = stored_journal.sound(scene, KEY)
-    del scene[KEY]  # first: it counts as a user of what is to be removed
+    del scene[KEY]  # first: the property counts as a user of data-blocks that `undo` removes
     journal.undo()
 
 
@@ -85,7 +85,10 @@ def before_path(scene: Scene) -> Path:
 
 
 def store_before(path: Path, picture: Path, first: bool) -> Path:
-    """Stores a picture of the exported scene, if that was the artist's own; returns the one to compare with."""
+    """Stores an image of the scene as the before image at `path`, if `first`; returns the image to compare with.
+
+    `first` is True if the scene had no earlier vibe. Without a file at `path`, the image to compare with is `picture`.
+    """
     if first:
         # On a full disk nothing is stored; a later vibe then compares with its own start.
         with contextlib.suppress(schema.VibeError), whole(path) as part:

@@ -29,8 +29,8 @@ def apply(
 ) -> None:
     """Writes a result into the scene and lists what it changed; a failure leaves the scene as it was.
 
-    After an earlier vibe that was not kept, the list still shows the artist's own values as the old ones, to which
-    Revert goes back.
+    After an earlier vibe that was not kept, the old values in the list are still the artist's own, to which Revert goes
+    back. `fresh_list` empties the list first. `change` is the change of the steps; None stands for a first prompt.
     """
     settings = scene.vibe
     if fresh_list:
@@ -53,9 +53,9 @@ def apply(
 
 
 def show(scene: bpy.types.Scene, steps: Steps) -> None:
-    """Writes the values of the steps that are shown, lists them, and keeps the steps; a failure leaves the scene as it was.
+    """Writes the values of the shown steps, lists them, and stores the steps in the scene; a failure changes nothing.
 
-    What the artist has deleted since does not come back. Raises VibeError if the values do not fit the scene.
+    Materials or lights that the artist has deleted stay deleted. Raises VibeError if the values do not fit the scene.
     """
     settings = scene.vibe
     current = bindings.read(scene, (), steps.pivot)
@@ -64,7 +64,7 @@ def show(scene: bpy.types.Scene, steps: Steps) -> None:
     differing = {k: v for k, v in values.items() if not step_list.same(k, v, current[k])}
     skipped = bindings.write(scene, differing, (), steps.pivot)
     before = {**current, **steps.base, **{change.name: change.values()[0] for change in settings.changes}}
-    # What an earlier vibe wrote stays.
+    # Values that an earlier vibe wrote, and no step has, stay in the list.
     reasons = {change.name: change.reason for change in settings.changes if change.name not in values}
     values = {key: current[key] for key in reasons if key in current} | values
     for step in steps.steps[: steps.shown]:
@@ -98,7 +98,7 @@ def _list_changes(
     values: Mapping[str, Sequence[float]],
     reasons: Mapping[str, str],
 ) -> None:
-    """Lists what has been written, in the order of the scene; lights that were added come after the others."""
+    """Lists written values by group, in the order of the keys of `scene`; other keys come last in their group."""
     place = {key: number for number, key in enumerate(scene)}
 
     def order(key: str) -> tuple[int, int]:
@@ -114,7 +114,7 @@ def _list_changes(
 
 
 def mix(scene: bpy.types.Scene) -> None:
-    """Writes the values between the original (strength 0, or Before) and the vibe (strength 1)."""
+    """Writes the listed values, blended between the original (strength 0, or Before) and the vibe (strength 1)."""
     settings = scene.vibe
     strength = 0.0 if settings.show_original else settings.strength
     values = {}
@@ -125,7 +125,7 @@ def mix(scene: bpy.types.Scene) -> None:
 
 
 def cause(reason: str) -> str:
-    """A reason in short, the word that it quotes: "'night' (dark night scene)" is “night”."""
+    """The word that a reason quotes, or else the reason: “night” for "'night' (dark night scene)"."""
     quoted = re.match(r"'(.+?)'(?!\w)", reason)
     return f"“{quoted[1]}”" if quoted else reason
 
@@ -140,13 +140,13 @@ def forget(scene: bpy.types.Scene) -> None:
 
 
 def keyframe(scene: bpy.types.Scene) -> list[str]:
-    """Keyframes what is shown at the current frame, as the other moments; returns what was left alone."""
+    """Keyframes the shown values at the current frame, next to other moments; returns a line on each one left alone."""
     settings = scene.vibe
     if settings.show_original:
         settings.show_original = False
     pivot = list(settings.pivot)
     found = [moment for moment in moments.of(scene) if moment.frame != scene.frame_current]
-    keyframes.set_aside(scene)  # which sets all values to what they are at this frame
+    keyframes.set_aside(scene)  # sets all values to those that the keyframes have at this frame
     current = bindings.read(scene, (), pivot)
     changes = {change.name: change.values()[0] for change in settings.changes if change.name in current}
     values = {key: list(current[key]) for key in changes}

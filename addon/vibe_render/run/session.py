@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A vibe while Blender stays free: every call of `advance` does one short step and returns; and its base, which Live has too."""
+"""A vibe that runs while Blender stays usable: each call of `Session.advance` does one short step."""
 
 from __future__ import annotations
 
@@ -30,13 +30,16 @@ from .notes import words_of
 
 READING = "Reading the scene"
 PAUSING = (READING, ANCHORING)
-"""Stages during which Blender is blocked: for long where the scene is large."""
-_READ_WITHIN = 20.0  # seconds; a prompt that takes longer to read may describe everything
+"""Stages that block Blender; the larger the scene, the longer."""
+_READ_WITHIN = 20.0  # seconds; a prompt that takes longer to read counts as describing everything
 SILENT = 30.0  # seconds without a message from the engine, after which the panel says so
 
 
 def scene_settings(scene: bpy.types.Scene) -> tuple[Any, ...]:
-    """The scene's own settings that its export depends on: Blender reports their changes like a letter that is typed."""
+    """The scene's own settings that its export depends on, to find out whether they have changed.
+
+    Blender reports their changes in the same way as a character that is typed into the prompt.
+    """
     render, view, vibe = scene.render, scene.view_settings, scene.vibe
     picture = render.resolution_x, render.resolution_y, render.resolution_percentage
     subject = vibe.subject, vibe.collection and vibe.collection.name
@@ -45,14 +48,14 @@ def scene_settings(scene: bpy.types.Scene) -> tuple[Any, ...]:
 
 
 class SceneSession(Driver):
-    """Work on one scene, in steps between which Blender is free.
+    """Work on one scene, in steps between which Blender is usable: the base of `Session` and `Live`.
 
-    It remembers the scene's session uid instead of the scene: after an undo a reference would be dangling.
+    A session has the scene's session uid instead of the scene: after an undo a reference would be dangling.
 
     Attributes:
         scene: The scene's name at the start.
-        warnings: What the engine sees only approximately, in words for the artist, after `view_notes`.
-        view_notes: What spoils the picture whatever its look, in words for the artist.
+        warnings: Lines for the artist on what the engine renders only approximately; `view_notes` are among them.
+        view_notes: Lines for the artist on what spoils the image with any look.
     """
 
     def __init__(self, context: bpy.types.Context, engine: Engine) -> None:
@@ -65,13 +68,13 @@ class SceneSession(Driver):
         self._subject: list[str] = []
         self._pivot = (0.0, 0.0, 0.0)
         self._before_path = Path()  # of the before image
-        self._keyed = False  # whether keyframes are set aside for it
+        self._keyed = False  # whether this session has set keyframes of looks aside
         self._shown: dict[str, list[float]] | None = None  # values of the look that is in the scene
         self._options = settings.engine_options(context)
         self._choice = settings.choice()
 
     def discard(self) -> None:
-        """Deletes the temporary files, the preview's picture among them."""
+        """Deletes the temporary files, also the preview's image."""
         shutil.rmtree(self._job, ignore_errors=True)
 
     def subject(self, scene: bpy.types.Scene) -> list[bpy.types.Object]:
@@ -79,14 +82,14 @@ class SceneSession(Driver):
         return [scene.objects[name] for name in self._subject if name in scene.objects]
 
     def take_over(self, other: SceneSession) -> None:
-        """Goes on with the look of another session of the same scene, if that shows one."""
+        """Takes over the look of another session of the same scene, if it shows one."""
         self.look, self.words = other.look, other.words
         self.preview, self.before = other.preview, other.before
         self._subject, self._pivot, self._shown = other._subject, other._pivot, other._shown
         self._keyed, other._keyed = other._keyed, False
 
     def show_again(self) -> None:
-        """Shows the newest look again, which a file that was saved, or an undo, has left out."""
+        """Shows the newest look again, after a save or an undo has taken it out of the scene."""
         self._shown = None
         if self.look and self._result is None and self._scene_if_there():
             self._show(self.look)
@@ -99,7 +102,10 @@ class SceneSession(Driver):
 
     @contextmanager
     def _without_look(self, scene: bpy.types.Scene) -> Iterator[None]:
-        """The artist's scene for the duration of the block, which must not wait: then nobody sees the look go and come."""
+        """Hides the look for the duration of the block, in which the scene has the artist's values.
+
+        The block must not yield to Blender: then no redraw shows the change.
+        """
         preview.hide(scene)
         yield
         self.show_again()
@@ -111,7 +117,7 @@ class SceneSession(Driver):
             yield self.stage
 
     def _export(self) -> Generator[str]:
-        """Reads the scene; starts again if the artist deletes something of it between two steps."""
+        """Exports the scene to the job folder; starts again if the artist deletes something between two steps."""
         job = None
         while job is None:
             yield from self._object_mode("Switch to Object Mode to go on")  # meshes are empty in Edit Mode
@@ -121,7 +127,7 @@ class SceneSession(Driver):
                 self._keyed |= keyframes.are_shown(scene)
                 reading.prepare_and_snapshot(scene, self._choice)
                 captured = analysis.capture(scene)
-                # The camera may move before the picture comes.
+                # Now, because the camera may move before the image arrives.
                 self._before_path = preview.before_path(scene)
             visible_scene = yield from self._in_background(captured.visible_scene)
             scene = self._find_scene()
@@ -141,7 +147,10 @@ class SceneSession(Driver):
         self._keyed = False
 
     def _restore(self, start: int | None) -> None:
-        """Takes back what the export has added, unless an undo or another file has done so already. No look may be shown."""
+        """Takes back what the export has added since `start`, unless an undo or another file has done so already.
+
+        The look must be hidden. `start` is from `snapshot.mark`.
+        """
         if scene := self._scene_if_there():
             snapshot.rollback(scene, start)
 
@@ -152,7 +161,7 @@ class SceneSession(Driver):
         return scene
 
     def _scene_if_there(self) -> bpy.types.Scene | None:
-        """The session uid outlives renaming and undo; scenes of other files have other ones."""
+        """The scene, or None if it is gone. Its session uid outlives renaming and undo, and is unique across files."""
         return next((s for s in bpy.data.scenes if s.session_uid == self._uid), None)
 
 
@@ -161,10 +170,10 @@ class Session(SceneSession):
 
     Attributes:
         prompt: The words; "" for none.
-        like: Name of the picture; "" for none.
-        shared: What to do about materials that other things use too: "ASK", "ALL" or "SINGLE".
-        question: Such materials with their other users, by name, while it waits for the artist's answer.
-        checking: Whether frames are checked.
+        like: Name of the reference image; "" for none.
+        shared: What to do about the subject's materials that other objects use too: "ASK", "ALL" or "SINGLE".
+        question: Names of shared materials to those of their other users, while the artist is asked; else empty.
+        checking: Whether frames are being checked.
     """
 
     patience = 900.0
@@ -191,7 +200,7 @@ class Session(SceneSession):
         return reference.request_title(self.prompt, self.like)
 
     def advance(self) -> bool:
-        """Does the next step; False when the vibe is in the scene. A VibeError leaves the scene as it was."""
+        """Does the next step; False if the vibe is done. If it raises VibeError, the scene is as it was."""
         try:
             return next(self._steps, None) is not None
         except OSError as error:
@@ -204,11 +213,11 @@ class Session(SceneSession):
 
     @property
     def can_stop(self) -> bool:
-        """True if there is a best look so far, which `stop` would take."""
+        """True if the search has begun and is not stopping: then `stop` gives its best look so far."""
         return super().can_stop and not self.checking
 
     def check(self, scene: bpy.types.Scene, every: int) -> None:
-        """Lets the next steps check frames of the scene, from its first to its last; `sequence` has them then."""
+        """Makes `advance` check every so many frames of the scene's range; the results are in `sequence`."""
         frames = range(scene.frame_start, scene.frame_end + 1, every)
         seen = words_of(self.report.get("verdicts", ()), "visible")
         choice = SubjectChoice(tuple(self._subject))
@@ -216,7 +225,10 @@ class Session(SceneSession):
         self._steps = self._check_frames(scene, frames, seen, choice, self._options.seed)
 
     def cancel(self) -> None:
-        """Ends a vibe, or a check of its frames, that is given up or has failed; the scene is as it was."""
+        """Ends a vibe, or a check of frames, that is given up or has failed.
+
+        The scene is as it was before the vibe. A check of frames leaves the result in it.
+        """
         self._steps.close()
         if self.checking:
             self.checking, self.sequence = False, ()
@@ -270,7 +282,7 @@ class Session(SceneSession):
             raise
 
     def _ask_about_shared(self) -> Generator[str]:
-        """Asks about materials that other things use too, unless that is settled; may export anew."""
+        """Asks about shared materials if `shared` is "ASK"; exports again if the subject gets copies of its own."""
         scene = self._find_scene()
         shared = shared_materials(self.subject(scene))
         if not shared or not scene.vibe.change_material:
@@ -290,7 +302,7 @@ class Session(SceneSession):
             yield from self._export()
 
     def _described(self) -> Generator[str, None, frozenset[str]]:
-        """Names of objects and materials that the words describe, as the engine reads them; of a picture everything."""
+        """Names of objects and materials that the prompt describes, as the engine reads it; everything for an image."""
         if self.like:
             return EVERYTHING
         job, target = str(self._job), self._options.target

@@ -21,11 +21,11 @@ class AddonState:
     """A warm engine, and the session that runs or ran last.
 
     Attributes:
-        session: The newest session; its pictures stay until the next one, Keep or Revert.
-        running: Whether it has not ended yet.
-        failure: Why it failed, until the artist dismisses that.
-        live: Looks of what is being typed; None while nothing is.
-        readings: How the words of what is typed are understood.
+        session: The newest session; its images stay until the next one, Keep or Revert.
+        running: Whether the session still runs.
+        failure: The error that ended the session, until the artist dismisses it.
+        live: The looks of words that are being typed; None if Live is off.
+        readings: The engine's readings of the words that are typed.
         mix: The light layers of the newest render; None until one is rendered.
     """
 
@@ -40,7 +40,7 @@ class AddonState:
         self._engine_choice: tuple[str, Path] | None = None
 
     def begin(self, context: bpy.types.Context, ask: bool = False, change: Change | None = None) -> Session:
-        """Starts a session with the engine of the last one, unless the preferences have changed; arguments as for `Session`."""
+        """Starts a session, to which Live hands its look; arguments as for `Session`."""
         self.forget()
         self.forget_mix()
         self.session, self.running = Session(context, self.engine(context), ask, change), True
@@ -49,18 +49,18 @@ class AddonState:
         return self.session
 
     def live_for(self, context: bpy.types.Context) -> Live:
-        """The looks of what is typed in this scene."""
+        """The Live of this scene; that of another scene is ended."""
         if self.live is None or self.live.scene != context.scene.name:
             self.end_live()
             self.live = Live(context, self.engine(context))
         return self.live
 
     def live_job(self, scene: bpy.types.Scene) -> Path | None:
-        """The job folder that Live has exported of a scene, if it has not changed since."""
+        """The job folder that Live has exported of a scene; None if there is none, or the scene has changed since."""
         return self.live.job if self.live and self.live.scene == scene.name else None
 
     def end_live(self) -> None:
-        """Ends the looks of what is typed; the scene is as it was."""
+        """Ends Live; the scene is as it was."""
         if self.live:
             self.live.close()
         self.live = None
@@ -76,7 +76,7 @@ class AddonState:
         return self._engine is not None and self._engine.alive
 
     def engine(self, context: bpy.types.Context) -> Engine:
-        """The engine that the preferences choose: the last one, or one that is not started yet."""
+        """The last engine, or a new one that is not started if the preferences have changed."""
         choice = preferences.engine_choice(context), preferences.cache_folder(context)
         if self._engine is None or choice != self._engine_choice:
             self.close_engine()
@@ -88,7 +88,7 @@ class AddonState:
         background.begin(self.engine(context).start)
 
     def end(self, failure: schema.VibeError | None = None) -> None:
-        """Ends the session; one that failed leaves the scene as it was."""
+        """Ends the session; with a failure the session is canceled, which restores the scene."""
         if self.session and failure:
             self.session.cancel()
         if self.session:
@@ -96,7 +96,7 @@ class AddonState:
         self.running, self.failure = False, failure
 
     def cancel(self) -> None:
-        """Gives the vibe up, or the check of its frames, which leaves the result; the scene is as it was."""
+        """Cancels a running vibe, so that the scene is as it was, or a check of frames, which leaves the result."""
         checking = self.session and self.session.checking
         if self.session and self.running:
             self.session.cancel()
@@ -105,13 +105,13 @@ class AddonState:
             self.forget()
 
     def forget(self) -> None:
-        """Drops the last session with its pictures, and its failure."""
+        """Drops the last session with its images, and its failure."""
         if self.session:
             self.session.discard()
         self.session, self.failure = None, None
 
     def forget_mix(self) -> None:
-        """Drops the light layers: the scene is another one now."""
+        """Drops the light layers, which no longer fit the scene."""
         if self.mix:
             self.mix.discard()
         self.mix = None

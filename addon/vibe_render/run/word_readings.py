@@ -18,39 +18,39 @@ from .session import scene_settings
 
 _QUIET = 0.5  # seconds without a change of the scene, after which its words are read anew
 _Words = tuple[str, tuple[str, ...]]
-"""A prompt and its targets: "copper=Cup"."""
+"""A prompt, and the artist's targets for its words, such as "copper=Cup"."""
 
 
 class WordReadings:
     """The newest readings of a prompt's words.
 
-    They are read against the exported scene: that of Live, or else a sketch, which is made anew after a change. For all
-    methods, `live` is the job folder that Live has exported, if the scene has not changed since.
+    The engine reads words against the job folder that Live has exported, or else against a sketch of the scene, which is
+    made anew after a change. For all methods, `live` is Live's job folder; None if it is missing or stale.
     """
 
     def __init__(self) -> None:
-        self.newest = messages.Readings("")  # the engine's last answer; of no words before that
-        self._asked: _Words | None = None  # those whose readings the engine works on
+        self.newest = messages.Readings("")  # the engine's last answer; empty before the first
+        self._asked: _Words | None = None  # the words that the engine is reading; None for none
         self._read: _Words = ("", ())
         self._folder: Path | None = None  # of the sketch; None where the scene cannot be exported
         self._sketched: tuple[Any, ...] | None = None  # settings of the scene; None if the sketch is stale
-        self._job = ""  # that the newest readings are of
+        self._job = ""  # the job folder against which the newest readings were made
         self._changed = 0.0  # time when the scene last changed
 
     def due(self, scene: bpy.types.Scene, live: Path | None = None) -> bool:
-        """True if the words of a scene have not been read yet, as it is now and with its artist's targets."""
+        """True if the prompt, with its targets, has not been read yet against the scene as it is now."""
         words = _words(scene)
         if self._asked is not None or words != self._read or not words[0]:
             return self._asked is not None or words != self._read
-        # Whether the newest readings are of another scene than that of now.
+        # The words are read; True if the scene has changed since.
         return self._job != str(live) if live else self._sketched != _settings(scene)
 
     def scene_changed(self) -> None:
-        """Has the scene sketched anew."""
+        """Marks the sketch as stale."""
         self._sketched, self._changed = None, time.monotonic()
 
     def step(self, engine: Engine, scene: bpy.types.Scene, live: Path | None = None) -> bool:
-        """Takes what has arrived, and asks about the words of now; never waits. True if there is news."""
+        """Takes readings that have arrived, and requests those that are due; never waits. True if some have arrived."""
         arrived = engine.poll_readings()
         if arrived:
             self.newest, self._read, self._asked = arrived, self._asked or self._read, None
@@ -65,7 +65,7 @@ class WordReadings:
         return arrived is not None
 
     def forget(self) -> None:
-        """Waits for nothing any more: the engine is another one."""
+        """Stops waiting for the readings that were requested last."""
         self._asked = None
 
     def _sketch(self, scene: bpy.types.Scene) -> Path | None:
@@ -74,7 +74,7 @@ class WordReadings:
         if self._sketched != settings:
             self._folder = None
             folder = Path(bpy.app.tempdir) / "vibe-words"
-            with suppress(Exception):  # a vibe says what is wrong; its words are marked all the same
+            with suppress(Exception):  # a vibe reports the error; the words are read without a job folder
                 sketch_scene(scene, folder, scene.vibe.choice())
                 self._folder = folder
             self._sketched = settings  # last: sketching updates the scene, which counts as a change
@@ -86,7 +86,11 @@ def _words(scene: bpy.types.Scene) -> _Words:
 
 
 def _names(scene: bpy.types.Scene) -> tuple[dict[str, list[str]], dict[str, str]]:
-    """All that is known of a scene that cannot be exported, such as one without a camera: objects with their materials, and lights."""
+    """Names in a scene that cannot be exported, such as one without a camera.
+
+    Returns:
+        Object to its materials, and light to its type.
+    """
     shown = sorted(rendered.shown(scene), key=lambda obj: obj.name)
     things = [o for o in shown if o.type in rendered.GEOMETRY]
     objects = {o.name: [s.material.name for s in o.material_slots if s.material] for o in things}

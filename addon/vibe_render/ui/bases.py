@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts that operators share: why a button is grayed out, in words for its tool tip, and a base class that reports failures."""
+"""Parts that operators and panels share: reasons for grayed-out buttons, as tooltips, and base classes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ HELD = "Your own keyframes are set aside. Keep moves them with the look"
 
 
 def obstacle(context: bpy.types.Context) -> str:
-    """Why a vibe cannot start now; "" if it can."""
+    """The reason why a vibe cannot start now; "" if it can."""
     scene = context.scene
     if addon_state.running:
         return RUNNING
@@ -45,7 +45,7 @@ def obstacle(context: bpy.types.Context) -> str:
 
 
 def result_obstacle(context: bpy.types.Context) -> str:
-    """Why the result can be neither kept, reverted nor changed now; "" if it can."""
+    """The reason why the result cannot be kept, reverted or changed now; "" if it can."""
     if addon_state.running:
         return RUNNING
     if not snapshot.exists(context.scene):
@@ -54,7 +54,7 @@ def result_obstacle(context: bpy.types.Context) -> str:
 
 
 def untouchable(context: bpy.types.Context) -> str:
-    """Why the scene must not be changed now; "" if it may be."""
+    """The reason why the scene must not be changed now; "" if it may be."""
     if not context.scene.is_editable:
         return "This scene is linked from a library"
     if context.mode != "OBJECT":  # in other modes, undo takes back only that mode's own steps
@@ -63,7 +63,7 @@ def untouchable(context: bpy.types.Context) -> str:
 
 
 def has_mesh(scene: bpy.types.Scene) -> bool:
-    """True if there is anything to render."""
+    """True if the scene has a mesh, curve, text or other object with a surface."""
     return any(obj.type in GEOMETRY for obj in scene.objects)
 
 
@@ -78,9 +78,9 @@ class IdlePanel:
 
 
 class Operator(bpy.types.Operator):
-    """An operator that says why it is grayed out. A failure is one line, and leaves everything as it was.
+    """An operator whose tooltip gives the reason if it is grayed out, and which reports a failure in one line.
 
-    Its name is that of its class as Blender writes it: VIBE_OT_revert is "vibe.revert".
+    Its `bl_idname` follows from the name of its class: "vibe.revert" for VIBE_OT_revert.
     """
 
     severity = "INFO"  # of the closing message
@@ -93,12 +93,12 @@ class Operator(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         reason = cls.obstacle(context)
         if reason:
-            cls.poll_message_set(reason)  # its tool tip
+            cls.poll_message_set(reason)  # its tooltip
         return not reason
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        """Why it cannot run now; "" if it can."""
+        """The reason why the operator cannot run now; "" if it can."""
         return ""
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -130,7 +130,7 @@ class ResultOperator(Operator):
 
 
 class IdleOperator(Operator):
-    """An operator that waits until no vibe runs, and during which Blender waits."""
+    """An operator that is grayed out while a vibe runs, and shows a wait cursor while it works."""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

@@ -24,12 +24,12 @@ GROUP_ICONS = {
     "film": "COLOR",
 }
 _PLACES = {"VIEW_3D": "UI", "PREFERENCES": "WINDOW"}
-"""Areas that our panels are in, and the region in each."""
-_GAP = 6  # pixels between two pictures in one icon
+"""Type of each area that has panels of Vibe Render -> the type of their region."""
+_GAP = 6  # pixels between two images in one icon
 
 _Version = tuple[tuple[Path, int], ...]
 _slots: dict[tuple[bool, tuple[Path, ...]], tuple[_Version, bpy.utils.previews.ImagePreviewCollection]] = {}
-"""Pictures that are shown, and whether as a square -> the files' versions, and their icon."""
+"""(Cropped to a square or not, image files) -> (their versions, their icon): the icons that are in use."""
 _swatches: bpy.utils.previews.ImagePreviewCollection | None = None
 
 _timers: set[Callable[[], float | None]] = set()
@@ -45,7 +45,7 @@ def paragraph(
     faint: bool = False,
     letters: int = 0,
 ) -> None:
-    """Draws wrapped text, `letters` in a line; 0 for as many as the region is wide."""
+    """Draws wrapped text with at most `letters` characters a line; 0 for as many as fit into the region."""
     column = layout.column(align=True)
     column.scale_y, column.active = 0.8, not faint
     width = (letters or columns(context)) - (3 if icon != "NONE" else 0)
@@ -55,7 +55,7 @@ def paragraph(
 
 
 def see_rendered(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """A button that shows the viewport rendered, where it is not yet."""
+    """Draws a button that switches the viewport to Rendered, unless it is."""
     if context.space_data and context.space_data.type == "VIEW_3D":
         shading = context.space_data.shading
         if shading.type != "RENDERED":
@@ -85,7 +85,7 @@ def size(count: float) -> str:
 
 
 def redraw() -> None:
-    """Redraws the regions that our panels are in, and no others."""
+    """Redraws the regions that have panels of Vibe Render, and no others."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             for region in area.regions:
@@ -94,21 +94,24 @@ def redraw() -> None:
 
 
 def begin(timer: Callable[[], float | None], after: float, persistent: bool = False) -> None:
-    """Has Blender call a function after some seconds, unless it will so already, and again after as many as it returns."""
+    """Registers a timer function, unless it is registered already.
+
+    Blender calls it after so many seconds, and again after as many as it returns, until it returns None.
+    """
     _timers.add(timer)
     if not bpy.app.timers.is_registered(timer):
         bpy.app.timers.register(timer, first_interval=after, persistent=persistent)
 
 
 def end_timers() -> None:
-    """Ends all that `begin` has begun, when the add-on is switched off."""
+    """Ends the timers of `begin`, when the add-on is switched off."""
     for timer in filter(bpy.app.timers.is_registered, _timers):
         bpy.app.timers.unregister(timer)
     _timers.clear()
 
 
 def look_icon(look: Look) -> int:
-    """The icon number of a preset's picture for `layout.template_icon`; one of Blender's own icons if it has none."""
+    """The icon number of a preset's image for `layout.template_icon`; one of Blender's own icons if it has none."""
     if look.picture.is_file():
         return icon(look.picture)
     names = bpy.types.UILayout.bl_rna.functions["prop"].parameters["icon"].enum_items
@@ -116,9 +119,9 @@ def look_icon(look: Look) -> int:
 
 
 def icon(*pictures: Path | None, square: bool = False) -> int:
-    """The icon number of picture files, loaded again whenever one has changed; 0 if none exists yet.
+    """The icon number of image files, which are loaded again if one has changed; 0 if none exists.
 
-    Several become one: wide ones one above the other, others in a row. `square` cuts out the middle.
+    Several images become one icon: wide ones are stacked, others stand in a row. `square` crops it to a square.
     """
     there = tuple(p for p in pictures if p is not None and p.is_file())
     if not there:
@@ -154,7 +157,7 @@ def before_after(
     scale: float,
     captions: tuple[str, str] = ("Before", "After, as predicted"),
 ) -> None:
-    """Draws two images as one icon, as far as they exist, each with its caption next to it."""
+    """Draws those of two images that exist as one icon, with their captions."""
     pairs = zip((before, after), captions, strict=True)
     there = [(path, name) for path, name in pairs if path and path.is_file()]
     if not there:
@@ -172,14 +175,14 @@ def before_after(
 
 
 def caption(layout: bpy.types.UILayout, text: str, scale: float = 1.0) -> None:
-    """Draws a faint line in the middle."""
+    """Draws a faint, centered line of text."""
     row = layout.row()
     row.active, row.alignment, row.scale_y = False, "CENTER", scale
     row.label(text=text)
 
 
 def colored(layout: bpy.types.UILayout, text: str) -> None:
-    """Draws a line in which each color, such as #c8102e, is a swatch."""
+    """Draws a line of text in which each color, such as #c8102e, is replaced by a swatch."""
     row = layout.row(align=True)
     row.alignment, row.scale_y = "LEFT", 0.8
     row.label(icon="BLANK1")
@@ -201,7 +204,7 @@ def _swatch(color: str) -> int:
 
 
 def free_icons() -> None:
-    """Frees all pictures and colors."""
+    """Frees the icons of all images and colors."""
     global _swatches
     for collection in (*(collection for _, collection in _slots.values()), *filter(None, [_swatches])):
         bpy.utils.previews.remove(collection)
@@ -210,7 +213,7 @@ def free_icons() -> None:
 
 
 def _pixels(part: bpy.types.ImagePreview) -> np.ndarray:
-    """(H, W) int32: the four bytes of each pixel; row 0 is the bottom."""
+    """The pixels of a preview: (H, W) int32, each four 8-bit channels, row 0 at the bottom."""
     width, height = part.image_size
     pixels = np.empty(width * height, np.int32)
     part.image_pixels.foreach_get(pixels)
@@ -218,7 +221,10 @@ def _pixels(part: bpy.types.ImagePreview) -> np.ndarray:
 
 
 def _composed(parts: list[np.ndarray]) -> np.ndarray:
-    """Several pictures as one, each as large as the largest of them; the first is at the top or at the left."""
+    """Several images, as from `_pixels`, joined into one, with the first at the top or the left.
+
+    All of them are resized to the largest.
+    """
     height, width = max((part.shape for part in parts), key=math.prod)
     fitting = [resized(part, height, width) for part in parts]
     wide = width >= height
@@ -229,7 +235,10 @@ def _composed(parts: list[np.ndarray]) -> np.ndarray:
 
 
 def resized(pixels: np.ndarray, height: int, width: int) -> np.ndarray:
-    """Pixels (H, W) int32, four 8-bit channels each, at another size, bilinear: first pictures are small."""
+    """Pixels (H, W) int32, each four 8-bit channels, resized bilinearly to (height, width).
+
+    The first images of a search are smaller than later ones.
+    """
     channels = pixels.view(np.uint8).reshape(*pixels.shape, 4).astype(np.float32)
     for axis, count in enumerate((height, width)):
         place = np.linspace(0.0, channels.shape[axis] - 1.0, count)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""State of the engine: searched, tested and set up in the background, while panels show the progress."""
+"""State of the engine: it is looked for, tested and set up in the background, while panels show the progress."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..engine.process import Engine
 from ..engine.setup import EngineSetup, TorchBuild, find_python, requirements
 from . import drawing
 
-_TICK = 0.25  # seconds between two looks at the background work
+_TICK = 0.25  # seconds between two checks of the background work
 _PATIENCE = 60.0  # seconds that a test waits for the engine's "ready"
 
 
@@ -26,9 +26,9 @@ class EngineState:
     For all methods, `choice` is the engine's folder from the preferences; "" for the usual places.
 
     Attributes:
-        python: The Python that has it; None while that is not known, or there is none.
-        problem: Why there is none.
-        setup: An environment in the making, or the last one that was made.
+        python: The Python executable that has the engine; None while it is looked for, or if there is none.
+        problem: The error if no engine was found.
+        setup: The setup of an environment that is going on; None if there is none.
         outcome: The result of the last test or setup in words, for the preferences; "" before the first.
         succeeded: Whether the last test or setup succeeded.
     """
@@ -63,7 +63,7 @@ class EngineState:
         return self.setup is not None and self.setup.running
 
     def search(self, choice: str, again: bool = False) -> None:
-        """Searches the engine in the background, unless that has been done for this choice."""
+        """Looks for the engine in the background; does so only once for a choice, unless `again`."""
         if self.searching or (choice == self._choice and not again):
             return
         self._choice, self.python, self.problem = choice, None, None
@@ -92,7 +92,7 @@ class EngineState:
         drawing.begin(self._timer, _TICK, persistent=True)
 
     def tick(self) -> float | None:
-        """Takes the results of background work, as a timer of Blender's: returns seconds to the next call, None for none."""
+        """Timer function: takes results of background work; returns the seconds to the next call, None for none."""
         if self._search_work and self._search_work.done():
             search, self._search_work = self._search_work, None
             self.python, self.problem = _answer_of(search)
@@ -136,10 +136,10 @@ def version(choice: str) -> str:
 
 
 def _answer_of(future: Future) -> tuple:
-    """(its result, None), or (None, the VibeError to show)."""
+    """(The result of finished work, None), or (None, the VibeError to show)."""
     try:
         return future.result(), None
-    except Exception as error:  # a panel must say so, whatever it is
+    except Exception as error:  # a panel shows errors of any kind
         return None, errors.to_show(error, "looking for the engine")
 
 

@@ -19,7 +19,7 @@ _TICK = 0.02  # seconds between two images while a slider moves
 
 
 def _shown(scene: bpy.types.Scene) -> light_mix.RenderedMix | None:
-    """The light layers of a scene, if they have sliders; an undo may have taken those away."""
+    """The rendered light layers of a scene; None if it has none, or if an undo has removed their sliders."""
     rendered = addon_state.mix
     if rendered is None or rendered.uid != scene.session_uid:
         return None
@@ -27,7 +27,7 @@ def _shown(scene: bpy.types.Scene) -> light_mix.RenderedMix | None:
 
 
 def draw_soon() -> None:
-    """Mixes the image anew, once for all the sliders that have moved by then."""
+    """Mixes the image anew after a moment, once for all sliders that have moved by then."""
     if addon_state.mix:
         drawing.begin(_draw, _TICK)
 
@@ -99,12 +99,12 @@ class VibeMixChannel(bpy.types.PropertyGroup):
 
 
 def moved(scene: bpy.types.Scene) -> dict[str, Color]:
-    """By channel whose slider or color has been moved, what its light is multiplied by."""
+    """Channels whose slider or color has been moved, to their factors of red, green and blue."""
     return {c.name: c.product() for c in scene.vibe.mix if c.product() != light_mix.WHITE}
 
 
 def colors(scene: bpy.types.Scene) -> dict[str, Color]:
-    """By channel, what its light is multiplied by since the render: by Apply, then by its slider and its color."""
+    """Channels to their factors since the render: those that Apply has written, times those of slider and color."""
     return {c.name: tuple(a * p for a, p in zip(c.applied, c.product(), strict=True)) for c in scene.vibe.mix}
 
 
@@ -143,7 +143,7 @@ class MixPanel(bases.IdlePanel):
 
 
 def _obstacle(context: bpy.types.Context) -> str:
-    """Why the lights cannot be rendered apart now; "" if they can."""
+    """The reason why light layers cannot be rendered now; "" if they can."""
     if context.scene.render.engine != "CYCLES":
         return light_mix.NEEDS_CYCLES
     if preview.exists(context.scene):
@@ -164,7 +164,7 @@ class VIBE_OT_mix_render(bases.IdleOperator):
         return _obstacle(context)
 
     def perform(self, context: bpy.types.Context) -> str:
-        """Renders, and puts all sliders back, or where the compositor's nodes have them."""
+        """Renders the light layers, and sets the sliders to the mix in the compositor, or to 1."""
         scene = context.scene
         addon_state.forget_mix()
         addon_state.mix = light_mix.RenderedMix(scene)
@@ -196,7 +196,7 @@ class VIBE_OT_mix_apply(_Mixed):
     bl_label = "Apply"
 
     def perform(self, context: bpy.types.Context) -> str:
-        """Writes what is multiplied since the render: the sliders start again from there."""
+        """Writes the factors since the render, notes them in `applied`, and resets the sliders."""
         scene, rendered = context.scene, addon_state.mix
         assert rendered
         if scene.vibe.show_original:

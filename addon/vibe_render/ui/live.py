@@ -2,7 +2,7 @@
 """Live in the panel: its switch, the timer of its steps, the look of the words so far, and its keys.
 
 While Live is on, Enter in the prompt begins the search, and Esc takes the look away. Blender does not report how a text
-field was left, and the field takes the press of the key: an add-on only gets its release.
+field was left, and the field consumes the press of the key. So the keymap listens for the release.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _keys: list[tuple[Any, Any]] = []  # keymap and item of each key that is registe
 
 
 def switched(window_manager: Any, context: bpy.types.Context) -> None:
-    """Switched on, it looks at the words that are there; switched off, it leaves the scene as it was."""
+    """Update of the switch: on, requests the look of the present words; off, leaves the scene as it was."""
     if window_manager.vibe_live:
         typed(context.scene.vibe, context)
     else:
@@ -31,7 +31,7 @@ def switched(window_manager: Any, context: bpy.types.Context) -> None:
 
 
 def typed(settings: Any, context: bpy.types.Context) -> None:
-    """Follows the prompt after a letter was typed or taken away."""
+    """Update of the prompt, at every character: hands the words to Live, if it is on."""
     if not context.window_manager.vibe_live or addon_state.running or bases.untouchable(context):
         return
     addon_state.live_for(context).typed(settings.prompt)
@@ -56,7 +56,7 @@ def _tick() -> float | None:
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context, live: Live) -> None:
-    """The look of the words so far, and which of them it does not show."""
+    """Draws the look of the words so far, and the words that are not visible in it."""
     if not live.look:
         return
     box = layout.box()
@@ -66,7 +66,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, live: Live) -> 
 
 
 def draw_words(layout: bpy.types.UILayout, context: bpy.types.Context, words: Mapping[str, bool]) -> None:
-    """The words that the look so far does not show."""
+    """Draws the words that are not visible in the look so far."""
     if not words:
         return
     missing = [word for word, shown in words.items() if not shown]
@@ -105,13 +105,13 @@ class VIBE_OT_escaped(bases.Operator):
 
 
 def _typed_here(context: bpy.types.Context) -> bool:
-    """True over our panel, while there are words that nobody has searched for yet."""
+    """True if the pointer is over the tab "Vibe", and words were typed that no vibe has taken over yet."""
     live, region = addon_state.live, context.region
     return bool(live and live.typing and region and region.active_panel_category == "Vibe")
 
 
 def register_keys() -> None:
-    """Listens for the keys."""
+    """Adds Enter and Esc to the keymap of the user interface."""
     config = bpy.context.window_manager.keyconfigs.addon
     if config is None:  # without a window
         return

@@ -77,7 +77,7 @@ class MainPanel:
 
 
 def _panel(name: str, base: type, parent: str = "") -> type:
-    """A panel of the tab, drawn by a class, inside its parent panel."""
+    """The class of a panel of the tab, which `base` draws; inside the panel `parent`, if one is named."""
     names = {"bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Vibe"}
     names |= {"__module__": __name__, "__doc__": base.__doc__ or ""}
     names |= {"bl_parent_id": f"VIBE_PT_{parent}"} if parent else {}
@@ -105,24 +105,24 @@ CLASSES = [
     _panel("values", scope.ValuesPanel, "scope"),
     _panel("advanced", scope.AdvancedPanel),
 ]
-"""Of all features, in the order in which Blender gets them: panels from top to bottom."""
+"""The classes to register, in order; it is also the order of the panels from top to bottom."""
 
 
 @persistent
 def _before_load(*_: object) -> None:
-    """A vibe belongs to its file: it ends before Blender opens another, and its pictures go."""
+    """Ends what belongs to the open file, before Blender opens another: a vibe, its images, Live."""
     addon_state.leave_file()
 
 
 @persistent
 def _before_save(*_: object) -> None:
-    """A file holds the artist's values, not a preview."""
+    """Hides previews, so that the file is saved with the artist's values."""
     preview.hide_all()
 
 
 @persistent
 def _show_again(*_: object) -> None:
-    """After a save or an undo the scene shows the look of the vibe that runs, or of what is typed, and no other."""
+    """Hides previews after a load, save or undo; then the look of a running vibe, or of Live, is shown again."""
     preview.hide_all()
     light_mix.draw_soon()
     if addon_state.running and addon_state.session:
@@ -133,7 +133,7 @@ def _show_again(*_: object) -> None:
 
 @persistent
 def _after_change(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    # Scenes change with every letter that is typed; see `scene_settings`.
+    # Updates of scenes alone are left out: each typed character causes one; see `scene_settings`.
     if not all(isinstance(update.id, bpy.types.Scene) for update in depsgraph.updates):
         addon_state.readings.scene_changed()
         if addon_state.live:

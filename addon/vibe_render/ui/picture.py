@@ -16,9 +16,9 @@ from . import drawing
 from .bases import IdleOperator
 
 _SCALE = 6.0
-"""Of the thumbnail, in buttons."""
+"""Height of the thumbnail, in heights of a button."""
 _SLOTS = 8
-"""Most slots that a render result begins with; artists may add more."""
+"""Number of slots that a render result has at first; artists may add more."""
 _TRAITS = {
     "light": "Side and color of the light",
     "grade": "Contrast, blacks and whites, tints of shadows and highlights, vignette",
@@ -29,7 +29,7 @@ _TRAITS = {
 
 
 def _is_picture(_: Any, image: bpy.types.Image) -> bool:
-    """Render results have slots, and a choice of their own."""
+    """False for render results, which are chosen by their slots."""
     return image.type != "RENDER_RESULT"
 
 
@@ -47,7 +47,7 @@ _Toggles = type("VibePictureToggles", (), {"__annotations__": _toggles(), "__mod
 
 
 class PictureSettings(_Toggles):  # type: ignore[misc]
-    """The panel's fields for the picture, apart from those of the table of options."""
+    """The panel's fields for the reference image that are not in the schema's table of options."""
 
     like_from: EnumProperty(
         name="Reference Image",
@@ -65,7 +65,7 @@ class PictureSettings(_Toggles):  # type: ignore[misc]
     like_slot: IntProperty(name="Slot", description="Of the render result", default=1, min=1, soft_max=_SLOTS)
 
     def traits(self) -> tuple[str, ...]:
-        """The traits that are taken over, as the option `like_only` has them: none named is all of them."""
+        """The traits to copy, as the option `like_only` takes them: an empty tuple stands for all of them."""
         chosen = tuple(name for name in options.TRAITS if getattr(self, f"like_{name}"))
         return () if chosen == options.TRAITS else chosen
 

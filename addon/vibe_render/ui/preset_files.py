@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Looks as files to pass on: presets are imported and exported, the scene's look as assets, its grade as a LUT."""
+"""Looks as files: import and export of presets, export of the scene's look as assets and of its grade as a LUT."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class VIBE_OT_preset_import(IdleOperator, _FileDialog, ImportHelper):
     files: CollectionProperty(type=bpy.types.OperatorFileListElement, options={"HIDDEN", "SKIP_SAVE"})
 
     def perform(self, context: bpy.types.Context) -> str:
-        """Imports every file that can be; one message names the others."""
+        """Imports every file that is a preset; one message names the others."""
         paths = [Path(self.directory) / file.name for file in self.files if file.name]
         paths = paths or [Path(self.filepath)]
         if paths[0].is_dir():
@@ -136,7 +136,7 @@ class VIBE_OT_export_lut(IdleOperator, _ExportDialog):
         return self.propose(context, event, _name(context))
 
     def perform(self, context: bpy.types.Context) -> str:
-        """Writes it; the message names what a LUT cannot hold."""
+        """Writes the file; the message names effects of the grade that a LUT cannot store."""
         values = transfer.grade_values(context.scene)
         lut.write_cube(Path(self.filepath), _name(context), values)
         neutral = lut.neutral_grade()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets in the "Vibe" tab: a grid of pictures to choose from, the chosen preset, and actions on it."""
+"""Presets in the "Vibe" tab: a grid of images to choose from, the chosen preset, and actions on it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .drawing import caption, look_icon, paragraph
 
 _WIDTH, _COLUMNS = 36, 6  # of the grid; the width in Blender's units (the height of a button)
 _LETTERS = 98  # characters in a line of text below the grid
-_SHOWN = 5  # lines about what did not fit
+_SHOWN = 5  # most lines that are shown on values that did not fit
 
 
 class VibePresets(bpy.types.PropertyGroup):
@@ -98,7 +98,7 @@ class VIBE_PT_preset_grid(bpy.types.Panel):
             row = cell.row(align=True)
             row.operator("vibe.preset_choose", text=look.name, depress=picked).path = str(look.path)
             row.operator("vibe.preset_apply", text="", icon="SHADERFX").path = str(look.path)
-        for _ in range(-len(shown) % _COLUMNS if len(shown) < _COLUMNS else 0):  # pictures keep their size
+        for _ in range(-len(shown) % _COLUMNS if len(shown) < _COLUMNS else 0):  # images keep their size
             grid.label(text="")
         if not shown:
             caption(layout, "No preset has these words")
@@ -116,7 +116,7 @@ def _chosen(context: bpy.types.Context) -> library.Look | None:
 def _draw_chosen(
     layout: bpy.types.UILayout, context: bpy.types.Context, look: library.Look, letters: int = 0
 ) -> None:
-    """Name, prompt and Apply in a box; lines have so many characters, or the region's width if 0."""
+    """Draws a preset's name, prompt and Apply button in a box; `letters` as for `paragraph`."""
     box = layout.box()
     row = box.row()
     row.label(text=look.name, icon="ERROR" if look.problem else "NONE")
@@ -138,7 +138,7 @@ def _draw_chosen(
 
 
 class PresetOperator(IdleOperator):
-    """An operator on a preset: a given one, or the chosen one."""
+    """An operator on the preset at `path`, or on the chosen one if that is empty."""
 
     path: StringProperty(
         options={"HIDDEN", "SKIP_SAVE"}, description="The preset's file; empty: the chosen one"
@@ -217,7 +217,7 @@ class VIBE_OT_preset_apply(PresetOperator):
         if look.preset is None:
             raise schema.VibeError(look.problem, "Delete it, or correct the file.")
         rest = transfer.apply_preset(context.scene, look.preset, context.scene.vibe.choice())
-        addon_state.forget()  # its pictures and variants are not of this look
+        addon_state.forget()  # the last session's images and variants do not belong to this look
         window_state = context.window_manager.vibe_presets
         window_state.chosen, window_state.rest = str(look.path), "\n".join(rest)
         left = f"; {len(rest)} values did not fit" if len(rest) > 1 else "; one value did not fit"
@@ -231,7 +231,7 @@ class VIBE_OT_preset_save(_NameDialog, LookOperator):
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         settings = context.scene.vibe
-        first = settings.vibed_prompt.partition(",")[0]  # short, for the grid; the rest is its prompt
+        first = settings.vibed_prompt.partition(",")[0]  # short, for the grid; the preset keeps the prompt
         self.name = settings.vibed_preset or preset.title(first[:1].upper() + first[1:])
         return context.window_manager.invoke_props_dialog(self, width=340, confirm_text="Save")
 
@@ -240,7 +240,7 @@ class VIBE_OT_preset_save(_NameDialog, LookOperator):
         self.layout.label(text="Blender waits for a small render, its picture", icon="TIME")
 
     def perform(self, context: bpy.types.Context) -> str:
-        """Saves it; the picture is a small render, during which Blender waits."""
+        """Saves the preset with an image, a small render for which Blender waits."""
         scene = context.scene
         look = transfer.capture_preset(scene, scene.vibe.choice(), self.name)
         with thumbnail.rendered_thumbnail(scene) as picture:

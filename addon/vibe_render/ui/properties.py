@@ -23,13 +23,14 @@ from ..scene.subject import SubjectChoice, forget_subject
 from . import light_mix, live
 from .picture import PictureSettings
 
-_LEFT_ALONE = ("camera",)  # unless asked: the artist framed the shot
+_LEFT_ALONE = ("camera",)  # off by default: the artist framed the shot
 
 
 def declare(name: str, preferences: bool) -> type:
-    """A class whose annotations are properties for options of the schema, to be inherited by the one that Blender registers.
+    """A base class, for a class that Blender registers, with a property for each option of the schema.
 
-    They are for the add-on's preferences, or else for the scene, without options with choices, whose titles are the panel's.
+    The options are those of the add-on's preferences, or else those of the scene. Options with choices are left out: the
+    panel declares them, with its own titles.
     """
     rows = [row for row in options.TABLE if row.panel and row.panel.preferences == preferences]
     properties = {row.name: _property(row) for row in rows if not row.choices}
@@ -102,9 +103,9 @@ def _mix(settings: "VibeSettings", context: bpy.types.Context) -> None:
 
 
 def _dim(settings: "VibeSettings", context: bpy.types.Context) -> None:
-    """Moving Strength shows the vibe, also while Before is pressed."""
+    """Update of Strength: shows the vibe at that strength, and switches Before off."""
     if settings.show_original:
-        settings.show_original = False  # which mixes
+        settings.show_original = False  # its update writes the values
     else:
         _mix(settings, context)
 
@@ -204,7 +205,7 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         return [f"{each.name}={each.target}" for each in present]
 
     def set_target(self, word: str, target: str) -> None:
-        """Keeps the artist's target for a word."""
+        """Stores the artist's target for a word; "" removes it."""
         place = self.targets.find(word)
         if place >= 0:
             self.targets.remove(place)
@@ -230,6 +231,6 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         patterns = filter(None, (pattern.strip() for pattern in self.lock.split(",")))
         chosen |= {"groups": self.groups(), "lock": [*patterns, *self.locks.keys()]}
         chosen |= {"target": self.target_pairs()}
-        picture = reference.picture_name(self)  # whoever reads the scene saves it, and knows where
+        picture = reference.picture_name(self)  # the session saves the image, and then sets its path
         chosen |= {"like": picture, "like_only": self.traits() if picture else ()}
         return messages.Options.from_dict(chosen | {"online": preferences.online()})

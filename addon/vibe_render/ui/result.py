@@ -26,7 +26,7 @@ from .drawing import GROUP_ICONS, HEX_COLOR, before_after, colored, columns, ico
 from .scope import draw_lock
 
 _AGREEMENTS = ((1.0, "matches", True), (3.0, "is close to", True), (math.inf, "differs from", False))
-"""Upper bound of the mean CIEDE2000 between preview and render, the words for it, and whether that is good news: 1 is
+"""Upper bound of the mean CIEDE2000 between preview and render, the words for it, and whether it is a good result. 1 is
 the least difference that people see side by side."""
 
 _STATES = {
@@ -34,8 +34,8 @@ _STATES = {
     "already": ("Was so already", "DOT"),
     "unmeasured": ("Set, not measured", "DOT"),
 }
-"""State of a word's verdict -> its words and its sign."""
-_FRAMES = 12  # checked frames that are listed
+"""State of a word's verdict -> its title and its icon."""
+_FRAMES = 12  # most checked frames that are listed
 
 
 class ResultPanel:
@@ -97,7 +97,7 @@ class ResultPanel:
 
 
 def _keyframes_note(scene: bpy.types.Scene) -> str:
-    """The frames that have keyframes, and what becomes of them if they are set aside."""
+    """A line on the frames that have keyframes of looks, and on how these come back if they are set aside."""
     try:
         numbers = [str(moment.frame) for moment in moments.of(scene)]
     except schema.VibeError as error:
@@ -109,7 +109,7 @@ def _keyframes_note(scene: bpy.types.Scene) -> str:
 
 
 def _draw_verdicts(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
-    """The words that are visible and not visible, and the prediction's error: they last only as long as Blender runs."""
+    """Draws the words that are visible and not visible, and the prediction's error: known only until Blender ends."""
     verdicts = session.report.get("verdicts", ())
     for state, (name, icon_name) in _STATES.items():
         if words := words_of(verdicts, state):
@@ -130,7 +130,7 @@ def _draw_verdicts(layout: bpy.types.UILayout, context: bpy.types.Context, sessi
 
 
 def agreement(difference: float, engine: str) -> tuple[str, bool]:
-    """The agreement of preview and render in words, and whether that is good news; `difference` is their mean CIEDE2000."""
+    """The agreement of preview and render in words, and whether it is good; `difference` is their mean CIEDE2000."""
     if engine != "CYCLES":
         return "Preview is Cycles. EEVEE may look different", False
     words, good = next((words, good) for most, words, good in _AGREEMENTS if difference < most)
@@ -139,7 +139,7 @@ def agreement(difference: float, engine: str) -> tuple[str, bool]:
 
 
 def _draw_sequence(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
-    """The button, and below it the frames that it has found, each with its image."""
+    """Draws Check Sequence, and below it each frame that lost a word or could not be checked, with its image."""
     row = layout.row(align=True)
     row.operator("vibe.check_sequence", icon="SEQUENCE")
     row.prop(context.scene.vibe, "check_every")
@@ -157,7 +157,7 @@ def _draw_sequence(layout: bpy.types.UILayout, context: bpy.types.Context, sessi
 def _draw_variants(
     layout: bpy.types.UILayout, variants: Sequence[tuple[messages.Variant, Path]], current: int
 ) -> None:
-    """The variants, each a picture with a button. Pictures are square, so that the button is close below."""
+    """Draws each variant as an image, cropped to a square, with its button close below."""
     across = min(len(variants), 4)
     grid = layout.grid_flow(row_major=True, columns=across, even_columns=True, align=True)
     for number, (_, picture) in enumerate(variants):
@@ -171,7 +171,7 @@ def _draw_variants(
 
 
 def draw_changes(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """Draws every value that changed: old, new, and why; one heading for each light, material and so on. Closed at first."""
+    """Draws each changed value with its old value and the reason, by light, material and so on; closed at first."""
     changes = [c for c in context.scene.vibe.changes if not labels.same(c.name, *c.values())]
     header, body = layout.panel("vibe_changes", default_closed=True)
     header.label(text=f"Changes ({len(changes)})")
@@ -190,7 +190,7 @@ def draw_changes(layout: bpy.types.UILayout, context: bpy.types.Context) -> None
 def _draw_changes(
     layout: bpy.types.UILayout, context: bpy.types.Context, same: Sequence[Any], why: str
 ) -> None:
-    """Values that changed for the same reason; below them the word that caused it, whose tool tip is the whole reason."""
+    """Draws values that changed for the same reason, and below them the word behind it; its tooltip is the reason."""
     for change in same:
         parameter = labels.parameter(change.name)
         row = layout.row(align=True)

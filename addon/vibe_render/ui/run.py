@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vibe It: a vibe from the button to its end, in the background; its progress in the panel, and the buttons that end it.
+"""Vibe It: runs a vibe in the background, draws its progress in the panel, and has the buttons that end it.
 
-It leaves one undo step.
+A vibe leaves one undo step.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _REDRAW = 0.1  # seconds after which the panels are drawn again though the stage
 
 
 class Vibing(bases.Operator):
-    """An operator that runs a vibe: in the background from its button, at once from a script."""
+    """An operator that runs a vibe: in the background from its button, in one call from a script."""
 
     bl_options: ClassVar[set[str]] = {"UNDO"}  # no REGISTER: "Adjust Last Operation" would do it all again
 
@@ -42,7 +42,7 @@ class Vibing(bases.Operator):
         return {"RUNNING_MODAL"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Runs the whole vibe at once, for scripts without a window."""
+        """Runs the whole vibe in one call, for scripts without a window."""
         if done := self._start(context):
             return done
         failure = None
@@ -52,7 +52,7 @@ class Vibing(bases.Operator):
         return self._done(failure, "ERROR")
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Does a step on every tick of the timer; takes Esc; passes everything else through."""
+        """Does a step at every tick of the timer, handles Esc, and passes all other events through."""
         session = self._session
         # Canceled by its button, or by another file that was opened.
         if addon_state.session is not session or not addon_state.running:
@@ -63,7 +63,7 @@ class Vibing(bases.Operator):
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         failure = _advance(session)
-        # At once when a stage begins, which may block Blender in the next step.
+        # Redraw at once when a stage begins, because its next step may block Blender.
         now = time.monotonic()
         if session.stage != self._drawn[0] or now - self._drawn[1] > _REDRAW:
             self._drawn = session.stage, now
@@ -80,7 +80,7 @@ class Vibing(bases.Operator):
         self._clean_up(context)
 
     def _start(self, context: bpy.types.Context, ask: bool = False) -> set[str]:
-        """Begins; returns Blender's result where it is done already, or fails."""
+        """Begins a session; returns an empty set, or Blender's result if the work is done already or has failed."""
         try:
             session = self._begin(context, ask)
         except schema.VibeError as error:
@@ -92,13 +92,13 @@ class Vibing(bases.Operator):
         return set()
 
     def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session | None:
-        """Begins a session; None if there is nothing left to do."""
+        """Begins a session, which asks about shared materials if `ask`; None if there is nothing left to do."""
         raise NotImplementedError
 
     def _escape(self, context: bpy.types.Context) -> set[str]:
         """The first Esc takes the best look so far, if there is one; otherwise the vibe is canceled."""
         if self._session.can_stop:
-            with contextlib.suppress(schema.VibeError):  # the next tick finds out and tells
+            with contextlib.suppress(schema.VibeError):  # the next tick reports the error
                 self._session.stop()
             context.workspace.status_text_set("Taking the best so far · Esc to cancel")
             return {"RUNNING_MODAL"}
@@ -223,7 +223,7 @@ class VIBE_OT_dismiss(bases.Operator):
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
-    """Draws a vibe that runs: the picture so far, the progress bar, Stop and Cancel; or a question."""
+    """Draws a running vibe: images, progress bar, Stop and Cancel; or its question and Cancel."""
     box = layout.box()
     if session.scene != context.scene.name:
         box.label(text=f"In the scene {session.scene}", icon="SCENE_DATA")

@@ -125,14 +125,14 @@ class VIBE_UL_values(bpy.types.UIList):
     def filter_items(
         self, _context: bpy.types.Context, data: VibeValues, _name: str
     ) -> tuple[list[int], list[int]]:
-        """Lines with the text of the search field in their title or key."""
+        """Shows the rows whose title or key has each word of the search field."""
         words = self.filter_name.casefold().split()
         shown = [all(w in f"{r.title} {r.name}".casefold() for w in words) for r in data.rows]
         return [self.bitflag_filter_item if show else 0 for show in shown], []
 
 
 def draw_lock(layout: bpy.types.UILayout, settings: Any, key: str, reason: str = "") -> None:
-    """Draws the lock of a value; closed, with the reason as its tool tip, if the value must stay anyway."""
+    """Draws the lock of a value. With a reason why the value must stay, it is closed, and the reason is its tooltip."""
     locked = key in settings.locks
     row = layout.row()
     row.enabled = not reason

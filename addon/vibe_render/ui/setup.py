@@ -98,7 +98,7 @@ def _section(layout: bpy.types.UILayout, title: str, icon: str) -> bpy.types.UIL
 
 
 def _draw_engine_line(layout: bpy.types.UILayout) -> None:
-    """One line about where the engine is, or how its setup goes."""
+    """Draws a line on the engine's folder, or on the progress of its setup."""
     setup = engine_state.setup
     if setup and setup.running:
         row = layout.row(align=True)
@@ -117,7 +117,7 @@ def _draw_engine_line(layout: bpy.types.UILayout) -> None:
 
 
 def cache_size(folder: Path) -> str:
-    """The size of a folder in words, such as "3.4 MB in 12 files"; "Empty" also where there is none."""
+    """The size of a folder in words, such as "3.4 MB in 12 files"; "Empty" also if it does not exist."""
     when, size = _measured.get(folder, (0.0, ""))
     if time.monotonic() - when > _EVERY:
         files = [f.stat().st_size for f in folder.rglob("*") if f.is_file()] if folder.is_dir() else []
@@ -128,7 +128,7 @@ def cache_size(folder: Path) -> str:
 
 
 def draw_failure(layout: bpy.types.UILayout, context: bpy.types.Context, failure: schema.VibeError) -> None:
-    """A vibe's failure, and its remedy."""
+    """Draws a vibe's failure and its remedy."""
     box = layout.box()
     row = box.row()
     row.alert = True
@@ -144,7 +144,7 @@ def draw_failure(layout: bpy.types.UILayout, context: bpy.types.Context, failure
 
 
 def draw_no_engine(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """One line about what is missing, and the buttons that get it."""
+    """Draws a line on the missing engine and the buttons that get it, or the progress of its setup."""
     box = layout.box()
     if engine_state.setting_up:
         _draw_engine_line(box)
@@ -279,7 +279,7 @@ class VIBE_OT_clear_cache(Operator):
         return "" if cache_folder(context).is_dir() else "The cache is empty"
 
     def perform(self, context: bpy.types.Context) -> None:
-        """Deletes our folder in the cache folder, and nothing else there."""
+        """Deletes Vibe Render's folder in the cache folder, and nothing else there."""
         shutil.rmtree(cache_folder(context), ignore_errors=True)
         _measured.clear()
 
@@ -291,5 +291,5 @@ def warm_up_soon() -> None:
 
 
 def _warm_up() -> None:
-    """A timer: starting a process while something is drawn would hold that up."""
+    """Timer function: starting the engine while a panel is drawn would delay the drawing."""
     addon_state.warm_up(bpy.context)

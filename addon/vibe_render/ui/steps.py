@@ -27,7 +27,7 @@ _ACTS = {
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """Draws the steps, the one that is shown pressed, and the field below."""
+    """Draws the steps, with the last shown one pressed, and below them the field for a further sentence."""
     settings = context.scene.vibe
     try:
         steps = Steps.of(context.scene)
@@ -59,7 +59,7 @@ def _button(row: bpy.types.UILayout, number: int, act: str, **looks: Any) -> Non
 
 
 def _current(scene: bpy.types.Scene) -> Steps:
-    """The steps of a scene, with what the artist has changed since the last one."""
+    """The steps of a scene, with a new one for values that the artist has changed by hand; switches Before off."""
     if scene.vibe.show_original:
         scene.vibe.show_original = False
     steps = Steps.of(scene)
@@ -80,7 +80,7 @@ class VIBE_OT_further(run.Vibing):
         return reason or ("Set up the engine first" if engine_state.problem else "")
 
     def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session | None:
-        """Reads the sentence; what needs no search is done at once."""
+        """Begins a session for the sentence; a change that needs no search is made at once."""
         scene = context.scene
         settings = scene.vibe
         steps = _current(scene)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The words of the prompt, each marked as understood, guessed or left out; its targets, and other words in its place.
+"""The words of the prompt, each marked as understood, guessed or left out, with a menu of targets and other words.
 
-And the prompts that were typed, with the targets of their words, the newest first: a small file of the user's, for all scenes.
+Also the history of prompts, with the targets of their words, the newest first: one small file for all scenes of a user.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from ..run.state import addon_state
 from . import drawing
 from .bases import Operator
 
-_TICK = 0.02  # seconds between two looks at what the engine says
+_TICK = 0.02  # seconds between two checks for readings from the engine
 _STATE_ICONS = {"understood": "NONE", "guessed": "QUESTION", "left out": "CANCEL"}
 _FEW = 3  # selected objects that are named one by one
-_MARGIN, _ICON = 2, 3  # room that a word's margins take, and its icon, in characters
+_MARGIN, _ICON = 2, 3  # width of a word's margins, and of its icon, in characters
 _ICONS = {"light": "LIGHT", "sky": "WORLD", "picture": "IMAGE_DATA", "air": "MOD_FLUID", "none": "CANCEL"}
-"""Kind of target -> icon, of those that every scene has."""
+"""Kind of target -> icon, for targets that every scene has."""
 _MOST = 30  # prompts that are kept
 _NAME = "prompts.json"
 
 
 def keep_up(context: bpy.types.Context) -> None:
-    """Has new words read by a timer, where an engine runs already; a panel may call this whenever it is drawn."""
+    """Starts a timer that has new words read, if an engine runs; a panel may call this whenever it is drawn."""
     due = addon_state.readings.due(context.scene, addon_state.live_job(context.scene))
     if due and addon_state.engine_runs:
         drawing.begin(_tick, 0.0)
@@ -52,7 +52,7 @@ def _tick() -> float | None:
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """Draws the words as buttons, which tell more of each, in lines; and why nothing is understood, if so."""
+    """Draws the words as lines of buttons, which open a menu for each word; and a note if nothing is understood."""
     readings = addon_state.readings.newest
     if readings.note:
         drawing.paragraph(layout, context, readings.note, "INFO", faint=True)
@@ -70,7 +70,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 
 
 def _lines(words: Iterable[messages.WordReading], width: int) -> Iterator[list[messages.WordReading]]:
-    """Words in lines of so many characters, at least one in each."""
+    """Words, broken into lines of at most `width` characters; each line has at least one word."""
     line: list[messages.WordReading] = []
     used = 0
     for word in words:
@@ -106,11 +106,11 @@ class VIBE_OT_reading(Operator):
         return {"FINISHED"}
 
     def _word(self) -> messages.WordReading | None:
-        """The newest reading of the word; None where the prompt does not say it any more."""
+        """The newest reading of the word; None if the prompt no longer has it."""
         return next((word for word in addon_state.readings.newest.words if word.key == self.key), None)
 
     def _draw(self, menu: bpy.types.Menu, context: bpy.types.Context) -> None:
-        """Draws other words, then the targets: the present one first, the likeliest, the rest of the scene."""
+        """Draws the menu: other words, then targets: the present one, the other likely ones, the rest of the scene."""
         layout, scene, word = menu.layout, context.scene, self._word()
         if word is None:
             return
@@ -133,7 +133,7 @@ class VIBE_OT_reading(Operator):
     def _draw_selection(
         self, layout: bpy.types.UILayout, context: bpy.types.Context, word: messages.WordReading
     ) -> None:
-        """Offers the selected objects, or the selected lights, together, if the word can describe such."""
+        """Offers all selected objects, or all selected lights, as one target, if the word can describe that kind."""
         scene, offered = context.scene, (*word.candidates, *word.targets)
         selected = [obj for obj in rendered.shown(scene) if obj.select_get()]
         things = [obj.name for obj in selected if obj.type in rendered.GEOMETRY and obj.material_slots]
@@ -187,7 +187,7 @@ class VIBE_OT_reword(Operator):
     other: StringProperty()
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Changes the prompt; its intensity stays with a word."""
+        """Replaces the last word of `word` in the prompt: an intensity before it, such as "very", stays."""
         settings = context.scene.vibe
         unknown = self.word.rpartition(" ")[2]
         pattern = re.compile(rf"(?<!\w){re.escape(unknown)}(?!\w)", re.IGNORECASE)
@@ -200,7 +200,7 @@ class VIBE_OT_reword(Operator):
 
 
 def prompts() -> list[str]:
-    """The stored prompts, the newest first; none where the file cannot be read."""
+    """The stored prompts, the newest first; none if the file cannot be read."""
     return [text for text, _ in _stored()]
 
 
@@ -210,7 +210,7 @@ def targets_of(prompt: str) -> list[str]:
 
 
 def remember(prompt: str, pairs: Sequence[str] = ()) -> None:
-    """Puts a prompt and its targets first, and drops the oldest. Where the folder cannot be written, nothing fails."""
+    """Stores a prompt and its targets as the newest, and drops the oldest; ignores a file that cannot be written."""
     kept = [(prompt, [*pairs]), *(each for each in _stored() if each[0] != prompt)][:_MOST]
     rows = [{"prompt": text, "targets": each} for text, each in kept]
     with contextlib.suppress(OSError, schema.VibeError), whole(own_folder("", create=True) / _NAME) as part:
@@ -218,7 +218,7 @@ def remember(prompt: str, pairs: Sequence[str] = ()) -> None:
 
 
 def _stored() -> list[tuple[str, list[str]]]:
-    """The prompts with their targets; none where the file, which anybody may have written, has another form."""
+    """The prompts with their targets; none if the file cannot be read, or does not have the expected form."""
     try:
         rows = json.loads((own_folder("") / _NAME).read_text(encoding="utf-8"))
         return [(row, []) if isinstance(row, str) else (row["prompt"], row["targets"]) for row in rows]
@@ -262,7 +262,7 @@ class VIBE_OT_recall(Operator):
         return properties.prompt
 
     def perform(self, context: bpy.types.Context) -> None:
-        """Sets the prompt, and the targets of its words as far as the scene has them."""
+        """Sets the prompt, and those targets of its words whose names are in the scene."""
         settings = context.scene.vibe
         settings.prompt = self.prompt
         known = (targets.GENERAL, context.scene.objects, bpy.data.materials)
