@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks of files, words and options that people hand in; a mistake is refused with the remedy."""
+"""Checks of the files, words and options that users give; an error names the remedy."""

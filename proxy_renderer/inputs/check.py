@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks of what a command is given, before anything is started. A mistake raises VibeError."""
+"""Checks of a command's arguments before anything is started. A mistake raises VibeError."""
 
 import argparse
 import os
@@ -38,7 +38,7 @@ def scene(name: str) -> Path:
 
 
 def shots(scenes: Sequence[Path], arguments: argparse.Namespace) -> list[Path]:
-    """The scenes of shots that can share a look, each once."""
+    """The scenes, each once; raises VibeError if they cannot share a look, or if other options do not fit them."""
     frames = frame_numbers(arguments.frames)
     cameras = [name for part in arguments.cameras for name in part.split(",") if name.strip()]
     several = max(len(scenes), len(frames), len(cameras)) > 1
@@ -59,7 +59,7 @@ def shots(scenes: Sequence[Path], arguments: argparse.Namespace) -> list[Path]:
 
 
 def preset(name: str) -> str:
-    """An existing preset file, or what may be a name in the library, which the Blender side knows."""
+    """The path of an existing preset file; otherwise the name, which Blender's side looks up in the library."""
     if name.endswith(".json") or "/" in name or os.sep in name or Path(name).exists():
         return str(file(name, "preset"))
     if not name.strip() or name.startswith("-"):
@@ -68,7 +68,7 @@ def preset(name: str) -> str:
 
 
 def goals(name: str) -> str:
-    """The path of a file of goals whose fields are all right; "" for none."""
+    """The path of a file of goals whose fields are all valid; "" for none."""
     if not name:
         return ""
     from ..goals.written import read
@@ -79,7 +79,7 @@ def goals(name: str) -> str:
 
 
 def words(prompt: str, arguments: argparse.Namespace) -> None:
-    """Refuses a prompt that says nothing in any scene, unless a model is configured, which knows more words."""
+    """Refuses a prompt without a known look word, unless a vision-language model is configured, which knows more words."""
     from ..schema.messages import Options
     from ..vlm.endpoint import find_endpoint
     from ..words.parser import refuse_without_look
@@ -89,7 +89,7 @@ def words(prompt: str, arguments: argparse.Namespace) -> None:
 
 
 def vocabulary(name: str) -> None:
-    """Makes sure that the artist's own words can be used, here and in processes that follow; "" for the usual file."""
+    """Loads the artist's vocabulary to check it, and sets it for this process and its children; "" for the default file."""
     from ..words.lexicon.user_words import VARIABLE, default_vocabulary
 
     if name:
@@ -98,7 +98,7 @@ def vocabulary(name: str) -> None:
 
 
 def device(name: str) -> None:
-    """Makes sure that torch could know a device. Raises VibeError if it is no name of a device."""
+    """Raises VibeError unless a name is auto, cpu, cuda or xpu, the last two with or without a number."""
     if not _DEVICE.fullmatch(name):
         remedy = "Use auto, cpu, cuda or cuda:1; `vibe doctor` lists yours."
         raise VibeError(f"Unknown device {name!r}.", remedy)

@@ -23,14 +23,14 @@ class Camera:
 
     name: str
     type: str  # "PERSP" or "ORTHO"
-    residual: Matrix  # rotation that remains after the orbit's frame, so that off-center aims survive
-    ortho_scale: float  # extent of the picture in an orthographic camera
+    residual: Matrix  # rotation relative to looking straight at the pivot; keeps off-center aims
+    ortho_scale: float  # extent of an orthographic image along the side in `sensor_fit`, meters
     shift: tuple[float, float]  # lens shift, in parts of the longer side
     sensor_fit: str  # "AUTO", "HORIZONTAL" or "VERTICAL": the side that the field of view spans
     clip: tuple[float, float]  # near and far distances
     aperture: float = 0.0  # radius of the lens, meters; 0 without depth of field
     focus_distance: float = 10.0  # depth that is in focus, meters
-    focus_point: Vector | None = None  # what is in focus instead, wherever the camera moves; else None
+    focus_point: Vector | None = None  # a point in focus in place of the distance
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Light:
     spot_size: float = 0.785398  # full opening angle of a spot
     spot_blend: float = 0.15  # softness of a spot's rim, in [0, 1]
     shadow: bool = True  # whether it casts shadows
-    normalize: bool = True  # whether power is shared by the lamp's area, so that size does not brighten it
+    normalize: bool = True  # whether the power is independent of the light's size
     soft_falloff: bool = True  # whether a point or spot counts as a disc, not as a sphere, close by
     exposure: float = 0.0  # stops on top of the power
     use_temperature: bool = False
@@ -54,10 +54,10 @@ class Light:
     role: str = "other"  # "key", "fill", "rim" or "other"
     tint: Vector = (1.0, 1.0, 1.0)  # what the light's own nodes multiply its color by
     scale: float = 1.0  # what its object's scale multiplies the width of an area light by
-    added: bool = False  # whether the artist's scene lacks it, and gets it because the words ask for it
-    card: float = 0.0  # size of the card with a pattern before it, meters; 0 for none. Of lights on standby
-    # whether it stands at `position`, turned by `residual` alone, and has no orbit: an instance of a light.
-    # Several of one name share their other values.
+    added: bool = False  # whether the artist's scene lacks it, and the words ask for it
+    card: float = 0.0  # size of its card with a pattern, meters; 0 for none, or not on standby
+    # whether it is an instance of a light: at `position`, turned by `residual` alone, without an orbit. Instances of
+    # one name share their other values.
     fixed: bool = False
     unlit: tuple[int, ...] = ()  # indices of objects that light linking keeps its light from
     hidden: tuple[str, ...] = ()  # kinds of rays that do not meet it: "diffuse", "glossy", "transmission"
@@ -65,14 +65,14 @@ class Light:
 
 @dataclass(frozen=True)
 class Texture:
-    """A picture of a material's input."""
+    """An image that a material's input reads."""
 
     image: Array  # (H, W, C) float32, row 0 at the bottom
     extension: str = "REPEAT"  # "REPEAT", "EXTEND" or "CLIP"
-    # of a texture baked from the exported camera: left, bottom, right and top of the part of its picture that
-    # the texture covers, in [0, 1]. None for a texture over UVs.
+    # of a texture baked from the exported camera: left, bottom, right and top of the part of the camera's image
+    # that the texture covers, in [0, 1]. None for a texture over UVs.
     window: tuple[float, float, float, float] | None = None
-    # for a flat surface: the 2 x 4 matrix that takes world-space points (x, y, z, 1) to the image
+    # for a flat surface: the 2 x 4 matrix from points (x, y, z, 1), world space, to places in the image, [0, 1]
     plane: tuple[tuple[float, ...], ...] | None = None
 
 
@@ -108,14 +108,14 @@ class WorldData:
 
     kind: str  # "color" or "environment"
     image: Array | None = None  # (H, W, 3) equirectangular light of an environment, without tint and strength
-    backdrop: Array | None = None  # the same as the camera sees it, where that is another picture
-    hidden: tuple[str, ...] = ()  # kinds of rays that do not meet it, of those that meet objects
+    backdrop: Array | None = None  # the same as the camera sees it, if that differs from `image`
+    hidden: tuple[str, ...] = ()  # kinds of rays that do not see the world
     horizon: float = 0.0  # height of the horizon in the image: 0 at the bottom, 1 at the top
 
 
 @dataclass(frozen=True)
 class FogBounds:
-    """kind "none", "box" or "world"; the box that fog fills, and the height of the subject's base."""
+    """The place of the fog: its `kind` ("none", "box" or "world"), the box that it fills, and the subject's base height."""
 
     kind: str
     center: Vector
@@ -125,7 +125,7 @@ class FogBounds:
 
 @dataclass(frozen=True)
 class FilmSettings:
-    """Blender's display of the picture: its OCIO configuration, display, view, look and so on."""
+    """How Blender displays the image: OCIO configuration, display, view, look and so on."""
 
     ocio: str
     display: str
@@ -136,14 +136,14 @@ class FilmSettings:
     fonts: str = ""  # the folder of Blender's fonts, "" if not known
     gain: float = 1.0  # what the renderer multiplies its light with: Cycles' film exposure
     white_balance: tuple[Vector, ...] = ()  # rows of a matrix for linear colors, before the view; () for none
-    # what the artist's compositor makes of colors: (S, S, S, 3) in stops, indexed by blue, green, red; None
-    # where it changes none, or not each by itself
+    # what the artist's compositor makes of colors: (S, S, S, 3), indexed by blue, green, red, on the log axis of
+    # `radiometry.TABLE_TOE`; None if it changes no color, or if a pixel depends on more than its own color
     compositor: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class SceneMesh:
-    """All triangles of the scene in world space; compared by identity, so what follows from a mesh can be kept with it."""
+    """All triangles of the scene in world space; compared by identity, so that results can be cached by mesh."""
 
     vertices: Array  # (V, 3) float32
     faces: Array  # (F, 3) int32 into `vertices`
@@ -157,7 +157,7 @@ class SceneMesh:
 class Standby:
     """Additions that the words may ask for: lights that the scene lacks, a backdrop of its own."""
 
-    lights: tuple[Light, ...] = ()  # the lights
+    lights: tuple[Light, ...] = ()
     instances: Mapping[str, Instance] = field(default_factory=dict)  # parameters of lights and backdrop
 
 
@@ -166,9 +166,9 @@ class SceneData:
     """Everything that the engine knows about a scene."""
 
     folder: Path
-    resolution: tuple[int, int]  # width and height of the artist's picture in pixels
+    resolution: tuple[int, int]  # width and height of the artist's render in pixels
     pixel_aspect: float
-    pivot: Vector  # what the camera and the lights orbit: the center of the subject's bounding box
+    pivot: Vector  # center of the orbits, and of the subject's bounding box
     references: Mapping[str, float]  # scene-wide lengths that bounds are multiples of
     camera: Camera
     lights: tuple[Light, ...]
@@ -180,20 +180,20 @@ class SceneData:
     mesh: SceneMesh
     instances: Mapping[str, Instance]  # every parameter of this scene by key, with the artist's value
     standby: Standby = field(default_factory=Standby)  # lights, and a backdrop, that it may get
-    bounces: int = 4  # how often surfaces scatter light on; only 0 makes a difference
-    # the values of materials that the camera does not see, whose light it sees
+    bounces: int = 4  # diffuse bounces of the artist's render; only whether it is 0 matters
+    # by key, the values of materials outside the frame whose light may be in it
     unseen: Mapping[str, Values] = field(default_factory=dict)
-    # key of a light's link, see `LightLink` -> its words
+    # key of an added light link (see `LightLink`) -> the words that ask for it
     links: Mapping[str, str] = field(default_factory=dict)
 
     def with_lights(self, names: Collection[str]) -> SceneData:
-        """The scene with some of the lights on standby in it."""
+        """The scene with the lights on standby that have one of the names."""
         lights = tuple(replace(light, added=True) for light in self.standby.lights if light.name in names)
         theirs = {key: i for key, i in self.standby.instances.items() if i.owner in names}
         return replace(self, lights=(*self.lights, *lights), instances={**self.instances, **theirs})
 
     def with_link(self, link: LightLink, said: str) -> SceneData:
-        """The scene with a light linked to objects, as the words in quotes ask for."""
+        """The scene with a light linked to objects; `said` are the words that ask for it, in quotes."""
         named = {number for number, thing in enumerate(self.objects) if thing.name in link.objects}
         others, lights = set(range(len(self.objects))) - named, []
         for light in self.lights:
@@ -202,7 +202,7 @@ class SceneData:
         return replace(self, lights=tuple(lights), links={**self.links, link.key: said})
 
     def with_copies(self, copies: Mapping[str, Collection[str]]) -> SceneData:
-        """The scene with copies of materials, each on the objects that are to wear it."""
+        """The scene with copies of materials: name of each copy -> names of the objects that get it."""
         if not copies:
             return self
         materials, instances = {m.name: m for m in self.materials}, dict(self.instances)
@@ -238,7 +238,7 @@ class SceneData:
         return replace(self, instances={**self.instances, **theirs})
 
     def with_card(self, name: str, corners: Array) -> SceneData:
-        """The scene with quads (Q, 4, 3), world space, that nothing but shadow rays sees."""
+        """The scene with the quads of a card, (Q, 4, 3) in world space, which only shadow rays see."""
         mesh, count = self.mesh, len(corners)
         first = len(mesh.vertices) + 4 * np.arange(count)[:, None]
         faces = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])]).astype(np.int32)
@@ -259,7 +259,7 @@ class SceneData:
         return replace(self, mesh=more, objects=(*self.objects, shade))
 
     def value(self, key: str, default: float | Values = 0.0) -> Values:
-        """The artist's value of a parameter, one number per component in its unit; the default where the scene lacks it."""
+        """The artist's value of a parameter, one number per component, in its unit; the default if the scene lacks it."""
         if key in self.instances:
             return self.instances[key].value
         if key in self.unseen:
@@ -273,9 +273,9 @@ _LINKED = ("tint", "recolor", "rotation", "backdrop_color", "backdrop_tint", "ba
 def plain_instances(
     lights: Iterable[tuple[str, str, str]], materials: Iterable[tuple[str, str]]
 ) -> dict[str, Instance]:
-    """Every parameter by key at its default, nothing linked: of a scene that is only described, without Blender.
+    """Every parameter by key at its default, for a scene that is only described: without linked textures or a backdrop.
 
-    Lights have a name, a type and a role each, materials a name and a role; lengths are in units of the scene's own.
+    `lights` are (name, type, role), `materials` (name, role). Lengths are in multiples of the schema's references.
     """
     owners = {"light": [*lights], "material": [(name, "", role) for name, role in materials]}
     instances = [

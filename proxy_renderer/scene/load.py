@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads a job folder (`scene.json`, `meshes.npz`, pictures) that the add-on has written, and checks it."""
+"""Reads and checks a job folder that the add-on has written: `scene.json`, `meshes.npz`, images."""
 
 import json
 import math
@@ -16,7 +16,7 @@ from .data import Array
 
 FORMAT = 1
 _FARTHEST = 1e9  # meters from the origin beyond which squares of areas leave the range of 32-bit floats
-_AT_ONCE = 1 << 18  # triangles that are checked at once, for memory
+_AT_ONCE = 1 << 18  # most triangles that are checked at once; limits memory
 _EXPORT_AGAIN = "Export the scene again with the add-on that belongs to this engine."
 _ROWS = {(p.group, p.name): p for p in PARAMETERS}
 _MESH_SHAPES = {
@@ -29,7 +29,7 @@ T = TypeVar("T")
 def load_scene(folder: Path | str) -> data.SceneData:
     """Reads and validates an exported scene: arrays are float32 or int32 and finite, indices in range.
 
-    Raises VibeError: a file is missing or broken, was written by another version, or holds nothing that can be rendered.
+    Raises VibeError if a file is missing, broken or of another version, or if there is nothing to render.
     """
     folder = Path(folder)
     try:
@@ -79,7 +79,7 @@ def _scene(folder: Path, content: dict[str, Any]) -> data.SceneData:
 
 
 def _record(kind: type[T], row: dict[str, Any]) -> T:
-    """Builds a dataclass from the JSON keys that it has fields for; lists become tuples of floats."""
+    """Builds a dataclass from the JSON keys that it has fields for; lists become tuples, whole numbers in them floats."""
     names = {f.name for f in fields(kind)}  # type: ignore[arg-type]
     return kind(**{k: _tuples(v) for k, v in row.items() if k in names})
 
@@ -124,7 +124,7 @@ def _film(folder: Path, row: dict[str, Any]) -> data.FilmSettings:
 
 
 def _picture(path: Path, channels: tuple[int, ...] = (3,)) -> Array:
-    """A linear picture (H, W, C) as float32; what is not finite or is negative becomes 0."""
+    """A linear image (H, W, C) as float32; values that are not finite or are negative become 0."""
     image = np.load(path, allow_pickle=False).astype(np.float32)
     if image.ndim != 3 or image.shape[2] not in channels or 0 in image.shape:
         raise ValueError(f"{path.name} has the shape {image.shape}, not (H, W, {channels[-1]})")
@@ -132,9 +132,9 @@ def _picture(path: Path, channels: tuple[int, ...] = (3,)) -> Array:
 
 
 _meshes: weakref.WeakSet[data.SceneMesh] = weakref.WeakSet()
-"""Meshes in use: what follows from one, as its tree for rays, serves all jobs of a scene."""
+"""Meshes in use. Jobs with the same mesh share one object, and the results cached by it, such as its ray tree."""
 _ALIKE = {"vertices": 1e-6, "normals": 1e-3, "uvs": 0.02}
-"""How far numbers of one mesh may differ from export to export, of the greatest: subdivision rounds as its threads come."""
+"""Most difference between exports of one mesh, whose threads round differently; of vertices, relative to the greatest."""
 
 
 def _mesh(path: Path, materials: int, objects: int) -> data.SceneMesh:
@@ -160,7 +160,7 @@ def _mesh(path: Path, materials: int, objects: int) -> data.SceneMesh:
 
 
 def _is_alike(mesh: data.SceneMesh, arrays: dict[str, Array]) -> bool:
-    """True if arrays are those of a mesh, but for rounding."""
+    """True if arrays are those of a mesh, up to the differences in `_ALIKE`."""
     pairs = {name: (getattr(mesh, name), array) for name, array in arrays.items()}
     if any(one.shape != other.shape for one, other in pairs.values()):
         return False
@@ -175,7 +175,7 @@ def _is_alike(mesh: data.SceneMesh, arrays: dict[str, Array]) -> bool:
 
 
 def _drop_broken(arrays: dict[str, Array]) -> dict[str, Array]:
-    """Removes triangles that have no area or a corner without a usable place; mends broken normals and UVs."""
+    """Removes triangles without area or with a corner at no usable place; repairs broken normals and UVs."""
     keep = np.ones(len(arrays["faces"]), bool)
     for first in range(0, len(keep), _AT_ONCE):
         some = slice(first, first + _AT_ONCE)
@@ -185,8 +185,11 @@ def _drop_broken(arrays: dict[str, Array]) -> dict[str, Array]:
 
 
 def _mend(corners: Array, normals: Array) -> Array:
-    """Which triangles (n, 3, 3) can be used, (n,) bool; broken normals (n, 3, 3) become those of the triangles."""
-    finite = (np.abs(corners) < _FARTHEST).all((1, 2))  # also false for what is not a number
+    """(n,) bool: which triangles, given by their corners (n, 3, 3), can be used.
+
+    Normalizes the corner normals (n, 3, 3) in place; a broken one becomes the normal of its triangle.
+    """
+    finite = (np.abs(corners) < _FARTHEST).all((1, 2))  # also false for NaN
     corners = np.where(finite[:, None, None], corners, 0.0).astype(float)
     flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(flat, axis=1)

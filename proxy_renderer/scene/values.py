@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 
 class RenderValues:
-    """Looks parameters up by key; missing ones take the scene's value. Gradients of the caller's tensors (C,) flow."""
+    """Parameters by key: the caller's tensors (C,), through which gradients flow, or else the scene's values."""
 
     def __init__(self, scene: SceneData, values: Mapping[str, Tensor], device: str | torch.device) -> None:
         self.scene = scene
@@ -22,14 +22,14 @@ class RenderValues:
         self.device = torch.device(device)
 
     def color(self, key: str, default: float = 0.0) -> Tensor:
-        """A parameter's components (C,), float32 on the device; the default for all three where the scene has none."""
+        """A color's components (3,), float32 on the device; three times the default if the scene has no such parameter."""
         if key in self.given:
             return self._read(key)
         value = self.scene.value(key, (default,) * 3)
         return torch.tensor(value, dtype=torch.float32, device=self.device)
 
     def _read(self, key: str) -> Tensor:
-        """The caller's value (C,); a copy, which stays what it is, unless gradients go to it."""
+        """The caller's value (C,); without gradients a copy, which later changes of the caller's tensor do not reach."""
         value = self.given[key].to(self.device, torch.float32).reshape(-1)
         return value if needs_gradient(value) else value.detach().clone()
 
@@ -41,7 +41,7 @@ class RenderValues:
 
     @cached_property
     def by_owner(self) -> dict[str, dict[str, Tensor]]:
-        """The caller's values: "material/NAME" and so on -> key -> value."""
+        """The caller's values by owner: "material/NAME" and so on -> key -> value."""
         found: dict[str, dict[str, Tensor]] = {}
         for key, value in self.given.items():
             found.setdefault(key.rpartition("/")[0], {})[key] = value
@@ -49,7 +49,7 @@ class RenderValues:
 
     @cached_property
     def numbers(self) -> dict[str, tuple[float, ...]]:
-        """The caller's values as numbers, by key; read from the device at once, because each reading waits for it."""
+        """The caller's values as numbers, by key; all in one transfer, because each transfer waits for the device."""
         rows = [value.detach().reshape(-1).to(self.device) for value in self.given.values()]
         flat = iter(torch.cat(rows).tolist() if rows else ())
         return {key: tuple(next(flat) for _ in row) for key, row in zip(self.given, rows, strict=True)}
@@ -60,18 +60,18 @@ class RenderValues:
 
 
 def needs_gradient(*tensors: Tensor) -> bool:
-    """True if gradients are being recorded for any of these."""
+    """True if gradients are being recorded for any of the tensors."""
     return torch.is_grad_enabled() and any(t.requires_grad for t in tensors)
 
 
 class Recent:
-    """The last two things of each owner: at a point, and next to it. Renders for slopes differ in one value each."""
+    """A cache of the last two results of each owner: finite differences render a point and its neighbors in turn."""
 
     def __init__(self) -> None:
         self._made: dict[Hashable, dict[Hashable, Any]] = {}
 
     def of(self, owner: Hashable, key: Hashable, make: Callable[[], T]) -> T:
-        """The thing of an owner for a key; `make` makes it if it is none of the last two."""
+        """An owner's result for a key; `make` computes it if it is not one of the last two."""
         made = self._made.setdefault(owner, {})
         thing: T = made.pop(key) if key in made else make()
         made[key] = thing  # the newest is the last
@@ -81,16 +81,16 @@ class Recent:
 
 
 class Remembered:
-    """Things that are made of the values of one owner, a light or a material: the same thing again for the same values.
+    """A cache of results that depend on the values of one owner, a light or a material.
 
-    What is learned is made anew.
+    Results of values that need gradients are computed each time.
     """
 
     def __init__(self) -> None:
         self._recent = Recent()
 
     def of(self, owner: str, values: RenderValues, make: Callable[[], T], number: int = 0) -> T:
-        """The thing of an owner, "material/NAME", by its number where several have one name; `make` makes it of these values."""
+        """The result of `make` for an owner, "material/NAME", at these values; `number` tells owners of one name apart."""
         given = values.by_owner.get(owner, {})
         if needs_gradient(*given.values()):
             return make()

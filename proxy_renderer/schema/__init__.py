@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The contract between Blender and the engine.
 
-Standard library and relative imports only: building the extension copies this folder into it.
+Standard library and relative imports only, because the build copies this folder into the extension.
 """
 
 from . import added_lights, labels, light_links, limits, material_copies, orbit, radiometry

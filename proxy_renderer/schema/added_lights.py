@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lights that a vibe may add to a scene: one for each part that a light can play and each of Blender's types."""
+"""The lights that a vibe may add to a scene: one for each part and each of Blender's types, and suns with a pattern."""
 
 import math
 from dataclasses import dataclass
@@ -8,12 +8,12 @@ PARTS = ("key", "fill", "rim", "kicker", "accent", "practical", "background", "t
 """Parts that a light can play, as gaffers name them. The scene's own lights have the roles key, fill, rim and other."""
 _TYPES = {"AREA": "", "POINT": " Lamp", "SPOT": " Spot", "SUN": " Sun"}
 _ROLES = {"key": "key", "rim": "rim", "kicker": "rim"}
-PATTERNS = {"slats": " Blinds", "leaves": " Leaves"}  # of a card before a light -> its name's end
-CARD = "Vibe Card"  # the name of such a card, which only shadow rays see
-CARD_AWAY = 1.6  # how far before the subject's center it stands, in sizes of the card
-_SLATS, _OPEN, _WINDOW, _FRAME = 9, 0.5, 1.3, 14.0
-_LEAVES, _LEAF, _CROWN = 260, 0.17, 2.2
-_GOLDEN = 2.399963
+PATTERNS = {"slats": " Blinds", "leaves": " Leaves"}  # pattern of a light's card -> end of the light's name
+CARD = "Vibe Card"  # the name of a card, which only shadow rays see
+CARD_AWAY = 1.6  # how far in front of the subject's center a card stands, in sizes of the card
+_SLATS, _OPEN, _WINDOW, _FRAME = 9, 0.5, 1.3, 14.0  # number, open share, half window and frame
+_LEAVES, _LEAF, _CROWN = 260, 0.17, 2.2  # number, half length of a leaf, radius of the crown
+_GOLDEN = 2.399963  # the golden angle, radians
 COLLECTION = "Vibe Lights"  # where added lights are, in the scene
 
 
@@ -49,14 +49,14 @@ Quad = tuple[tuple[float, float], tuple[float, float], tuple[float, float], tupl
 
 
 def card(pattern: str, size: float) -> list[Quad]:
-    """The opaque parts of a card before a light, meters, as the light sees it: "slats" of a window with blinds, or "leaves"."""
+    """The opaque quads of a light's card, in meters, as the light sees them: a window with "slats", or "leaves"."""
     if pattern == "slats":
         pitch = 2 * _WINDOW / _SLATS
         rows = [-_WINDOW + pitch * i for i in range(_SLATS)]
         parts = [_box(-_WINDOW, y, _WINDOW, y + pitch * (1 - _OPEN)) for y in rows]
         parts += [_box(-_FRAME, _WINDOW, _FRAME, _FRAME), _box(-_FRAME, -_FRAME, _FRAME, -_WINDOW)]
         parts += [_box(-_FRAME, -_WINDOW, -_WINDOW, _WINDOW), _box(_WINDOW, -_WINDOW, _FRAME, _WINDOW)]
-    else:  # a sunflower's spiral, jittered: even, without rows
+    else:  # a sunflower's spiral of leaves of different sizes: even, without rows
         parts = []
         for i in range(_LEAVES):
             away, turn = _CROWN * math.sqrt((i + 0.5) / _LEAVES), _GOLDEN * i

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Files that appear whole or not at all, whatever happens while they are written."""
+"""Writes files so that they appear whole or not at all, even if the writing process fails."""
 
 import errno
 import os
@@ -11,7 +11,7 @@ from pathlib import Path
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A path beside a file, to be written, which takes its place at the end; if the block raises, nothing stays of it."""
+    """A temporary path next to a file. After the block it replaces the file; if the block raises, it is deleted."""
     part = path.with_name(f"{part_prefix()}{uuid.uuid4().hex[:8]}-{path.name}")
     try:
         yield part

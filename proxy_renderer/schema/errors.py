@@ -11,7 +11,7 @@ from pathlib import Path
 
 
 class VibeError(Exception):
-    """A mistake that its reader can mend."""
+    """An error that the user can fix, with the remedy."""
 
     def __init__(self, message: str, remedy: str = "") -> None:
         super().__init__(message)
@@ -23,7 +23,7 @@ class VibeError(Exception):
 
 
 def quoted(text: str, most: int = 40) -> str:
-    """A text of a file, on one line and short enough for a message."""
+    """A text from a file in quotes for a message: on one line, cut after `most` characters."""
     return repr(text if len(text) <= most else text[:most] + "…")
 
 
@@ -32,11 +32,11 @@ _LONGEST = 200  # characters of a reason
 
 
 class UnexpectedError(VibeError):
-    """A fault of ours, or of Blender's, that its reader can only work around."""
+    """A bug of Vibe Render or of Blender, which the user can only work around."""
 
 
 def to_show(error: BaseException, doing: str) -> VibeError:
-    """The error to show for any exception: a VibeError itself; the trace of others goes to a log."""
+    """The error to show for any exception: a VibeError as it is, or an UnexpectedError whose log has the traceback."""
     if isinstance(error, VibeError):
         return error
     reason = " ".join(f"{type(error).__name__}: {error}".split())[:_LONGEST].rstrip(".: ")
@@ -45,15 +45,15 @@ def to_show(error: BaseException, doing: str) -> VibeError:
 
 
 def write_log(text: str) -> Path:
-    """Writes a new log, and deletes the oldest; returns its file."""
+    """Writes a new log, and deletes the oldest ones; returns the new log's path."""
     log = log_folder() / f"vibe-{time.strftime('%Y%m%d-%H%M%S')}-{os.getpid()}.log"
-    with suppress(OSError):  # a full disk: the line still says what happened
+    with suppress(OSError):  # a full disk: the message still names the error
         log.write_text(f"{sys.version}\n{sys.platform}\n{text}\n", encoding="utf-8", errors="replace")
     return log
 
 
 def log_folder() -> Path:
-    """The user's folder for logs, made if it is not there; the temporary folder where that is impossible."""
+    """The user's folder for logs, made if missing, old logs deleted; the temporary folder if it cannot be written."""
     home = Path.home()
     if sys.platform == "win32":
         folder = Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local") / "vibe-render" / "Logs"

@@ -13,7 +13,7 @@ GROUP_TITLES = {
 }  # fmt: skip
 _NAMES = {"ior": "IOR", "fov": "Field of View"}
 _LIGHT_WORDS = re.compile(r"light|lamp|sun|spot", re.IGNORECASE)
-_CLOSE = 1e-5  # relative difference that Blender's 32-bit numbers may make
+_CLOSE = 1e-5  # relative difference that rounding to 32-bit numbers may make
 _UNITS = {unit: f" {unit}" for unit in ("W", "m", "K", "stops")}
 _UNITS |= {"": "", "deg": "°", "W/m2": " W/m²", "1/m": " /m"}
 
@@ -55,7 +55,7 @@ def titles(keys: list[str], most: int = 3) -> str:
 
 
 def text(key: str, values: Values) -> str:
-    """A value, in the schema's units, with its unit, which an instance's or family's key decides; three numbers for a color.
+    """A value as text with its unit, or three numbers for a color; `key` is that of an instance or a family.
 
     >>> text("light/Key/power", (120.0,)), text("film/exposure", (0.4,)), text("material/Clay/base_color", (1, 0.5, 0))
     ('120 W', '+0.4 stops', '1.00 0.50 0.00')
@@ -72,12 +72,12 @@ def text(key: str, values: Values) -> str:
 
 
 def bare(key: str, values: Values) -> str:
-    """As `text`, without the unit, where that follows: the 400 of "400 → 160 W"."""
+    """As `text`, but without the unit, where another value with the unit follows: the 400 of "400 → 160 W"."""
     return text(key, values).removesuffix(_UNITS[parameter(key).unit])
 
 
 def same(key: str, before: Values, after: Values) -> bool:
-    """True if two values read the same, or would but for a digit that is rounded up in one: such a change is not listed."""
+    """True if two values have the same text or differ by 32-bit rounding only: such a change is not listed."""
     pairs = zip(before, after, strict=True)
     return text(key, before) == text(key, after) or all(math.isclose(a, b, rel_tol=_CLOSE) for a, b in pairs)
 

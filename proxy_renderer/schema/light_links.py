@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Keys of light links, which words set and no search: "light/Rim (only on Bottle, Cap)/linked" is 1 where it is so, else 0."""
+"""Keys of light links, which only words set: "light/Rim (only on Bottle, Cap)/linked" is 1 for a link, else 0."""
 
 import re
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ _OWNER = re.compile(rf"(.+?) \(({_ONLY}|{_NOT}) (.+)\)")
 
 
 class LightLink(NamedTuple):
-    """A light that lights `only` some objects, or all but them."""
+    """A link of a light to objects: it lights `only` these objects, or all objects but these."""
 
     light: str
     only: bool
@@ -28,7 +28,7 @@ class LightLink(NamedTuple):
 
     @property
     def key(self) -> str:
-        """Its key.
+        """The link's key.
 
         >>> LightLink("Rim", True, ("Bottle", "Cap")).key
         'light/Rim (only on Bottle, Cap)/linked'
@@ -44,5 +44,5 @@ def link_of(key: str) -> LightLink | None:
 
 
 def is_on(values: Sequence[float]) -> bool:
-    """True if a link with this value is there: of a blend, from half on."""
+    """True if a link with this value is on: from 0.5, because looks may be blended."""
     return values[0] >= 0.5

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Limits that several sides keep (command line, panel, manifest, presets, parser), and budgets: how long a vibe may take."""
+"""Limits that command line, panel, manifest, presets and parser share, and budgets: how much work a vibe may do."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -12,11 +12,11 @@ MESH_FORMATS = (".obj", ".glb", ".gltf", ".ply", ".stl")  # suffixes of the bare
 
 @dataclass(frozen=True)
 class Budget:
-    """The work of a vibe."""
+    """How much work a vibe may do."""
 
     rounds: int  # outer rounds of Algorithm 1
-    steps: int  # most steps of the inner loop in each
-    size: int  # longer side of the pictures, pixels
+    steps: int  # most steps of the inner loop in each round
+    size: int  # longer side of the images, pixels
     starts: int  # points that a coarse first pass tries; 1 for the artist's scene alone
     summary: str  # for whom it is, in words
 
@@ -27,7 +27,7 @@ BUDGETS = {
     "thorough": Budget(10, 20, 512, 6, "several starts, and time to refine"),
 }
 STANDARD = BUDGETS["standard"]
-NUMBERS = ("rounds", "steps", "size", "starts")  # what the effort decides, where nothing else does
+NUMBERS = ("rounds", "steps", "size", "starts")  # options that the effort decides if they are not given
 
 
 def fill(options: Any) -> None:

@@ -16,7 +16,7 @@ from .parameters import schema_hash
 
 
 def _typed(message: Any, name: str, kind: type) -> None:
-    """Gives the rows of a message their class: those that come over the wire are plain objects."""
+    """Converts the rows in a field of a message to their class, because JSON gives them as dictionaries."""
     rows = [row if isinstance(row, kind) else kind(**row) for row in getattr(message, name)]
     object.__setattr__(message, name, rows)
 
@@ -31,7 +31,7 @@ class Ready:
 
 @dataclass(frozen=True)
 class Shot:
-    """One of several cameras, frames or scenes that are to share a look."""
+    """One of several cameras, frames or scenes that share a look."""
 
     job: str  # its job folder
     name: str  # for people
@@ -57,7 +57,7 @@ class Vibe:
 
 @dataclass(frozen=True)
 class Glance:
-    """Blender → engine: only what the plan gives for these words, quickly; a `Glanced` answers, after a `Stop` an empty one."""
+    """Blender → engine: find values from the words alone, without a search; `Glanced` answers, empty after a `Stop`."""
 
     schema: str  # Blender's schema hash
     job: str  # the job folder; the engine keeps its scene for the next glance
@@ -67,14 +67,14 @@ class Glance:
 
 @dataclass(frozen=True)
 class AskReadings:
-    """Blender → engine: how are these words understood? `Readings` answer in a blink, whatever else the engine does."""
+    """Blender → engine: ask how these words are understood; `Readings` answer at once, even during a search."""
 
     schema: str  # Blender's schema hash
     prompt: str  # what the artist has typed so far
     job: str = ""  # the job folder, with or without surfaces and textures; "" where nothing can be exported
-    # where there is no job: object that a render shows -> names of its materials
+    # without a job: object that a render shows -> names of its materials
     objects: dict[str, list[str]] = field(default_factory=dict)
-    lights: dict[str, str] = field(default_factory=dict)  # Likewise: light -> its type, "AREA" and so on
+    lights: dict[str, str] = field(default_factory=dict)  # without a job: light -> its type, such as "AREA"
     target: tuple[str, ...] = ()  # "copper=Cup": what the artist says that words describe
 
 
@@ -84,12 +84,12 @@ class WordReading:
 
     text: str  # as the prompt says it
     state: str  # "understood", "guessed" or "left out"
-    meaning: str = ""  # what is made of it, in words for the artist: "describes Vase"
+    meaning: str = ""  # its effect in words for the artist: "describes Vase"
     others: list[str] = field(default_factory=list)  # known words that may be meant instead, likeliest first
-    key: str = ""  # what a target calls it: "red#2" for the second one
-    # names of what it may describe, the one that it is taken for first, then the likeliest; see `targets`
+    key: str = ""  # its name in a target: "red#2" for the second "red"
+    # names of what it may describe: first the chosen one, then by probability; see `schema/targets.py`
     candidates: list[str] = field(default_factory=list)
-    targets: list[str] = field(default_factory=list)  # what else it can describe
+    targets: list[str] = field(default_factory=list)  # names of what else it can describe
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ class Readings:
     """Engine → Blender: the answer to an `AskReadings`; of several, only the newest is answered."""
 
     prompt: str  # the words that it is about
-    words: list[WordReading] = field(default_factory=list)  # its look words and what is left out, in order
+    words: list[WordReading] = field(default_factory=list)  # its look words and the words left out, in order
     note: str = ""  # why nothing is understood, in a sentence for the artist; "" where something is
 
     def __post_init__(self) -> None:
@@ -106,29 +106,29 @@ class Readings:
 
 @dataclass(frozen=True)
 class LookSoFar:
-    """Engine → Blender: values on the way to the result, to be seen in the scene until there are better ones."""
+    """Engine → Blender: values on the way to the result, shown in the scene until better ones come."""
 
     values: dict[str, list[float]]  # as those of `Result`
-    picture: str = ""  # the proxy's picture of them, a file name in the job folder; "" before it is drawn
-    words: dict[str, bool] = field(default_factory=dict)  # word to whether the picture shows it
+    picture: str = ""  # the proxy's image of the values, a file name in the job folder; "" before it is drawn
+    words: dict[str, bool] = field(default_factory=dict)  # word -> whether it is visible in the image
 
 
 @dataclass(frozen=True)
 class Glanced(LookSoFar):
     """Engine → Blender: the answer to a `Glance`."""
 
-    before: str = ""  # the picture of the artist's own values, a file name in the job folder
+    before: str = ""  # the image of the artist's own values, a file name in the job folder
 
 
 @dataclass(frozen=True)
 class Stage:
-    """Engine → Blender: what is going on outside the loop, for a status line."""
+    """Engine → Blender: what the engine does outside the loop, for a status line."""
 
     name: str
-    # when the loop begins: the artist's own values, a file name in the job folder; else "". With looks it comes
-    # twice: the second is corrected by an anchor
+    # when the loop begins, the image of the artist's own values, a file name in the job folder; else "". If `Vibe`
+    # asks for `looks`, it comes twice: the second image is corrected by an anchor
     picture: str = ""
-    lit: bool = True  # False if that picture is black, and would be with all that the words ask for
+    lit: bool = True  # False if that image is black, and stays black with all that the words ask for
 
 
 @dataclass(frozen=True)
@@ -141,16 +141,16 @@ class Progress:
     steps: int
     loss: float
     seconds_left: float
-    preview: str = ""  # a picture in the job folder, replaced atomically about once a second; "" at first
+    preview: str = ""  # an image in the job folder, replaced atomically about once a second; "" at first
 
 
 @dataclass(frozen=True)
 class Anchor:
-    """Engine → Blender: render the scene at these values, small, for the engine to correct itself by."""
+    """Engine → Blender: render a small image of the scene at these values, by which the engine corrects its proxy."""
 
     number: int  # counts the requests of a vibe
-    values: dict[str, list[float]]  # parameter key to its components, of what differs from the scene's
-    size: int  # longer side of the picture, pixels
+    values: dict[str, list[float]]  # parameter key -> components, where they differ from the scene's
+    size: int  # longer side of the image, pixels
     samples: int  # most samples in a pixel
     seed: int = 0  # of the sampling pattern
     shot: int = 0  # which of several shots to render, from 0
@@ -162,12 +162,12 @@ class Anchored:
 
     number: int  # of the request
     # a multilayer EXR of 32-bit floats in the job folder, scene-linear; "" if there is none. Its layers are
-    # "Combined" (denoised), "Noisy Image" (the same, not denoised; missing in a Blender that has no denoiser, whose
-    # "Combined" is noisy) and "Combined_…" of every group
+    # "Combined" (denoised), "Noisy Image" (not denoised) and "Combined_…" for every light group. A Blender without
+    # a denoiser has no "Noisy Image", and a noisy "Combined"
     picture: str = ""
     groups: dict[str, str] = field(default_factory=dict)  # light group -> its light: "light/NAME" or "world"
-    seconds: float = 0.0  # how long it took
-    error: str = ""  # why there is no picture
+    seconds: float = 0.0  # how long the render took
+    error: str = ""  # why there is no image
 
 
 VARIANTS = "variants.png"  # the sheet of all variants, a file name in the job folder
@@ -180,20 +180,20 @@ class Variant:
     values: dict[str, list[float]]  # as those of `Result`
     picture: str  # its prediction, a file name in the job folder
     score: float  # its loss; smaller is better
-    reasons: dict[str, str] = field(default_factory=dict)  # why they changed, by key
+    reasons: dict[str, str] = field(default_factory=dict)  # why each value changed, by key
 
 
 @dataclass(frozen=True)
 class Result:
     """Engine → Blender: the values found."""
 
-    values: dict[str, list[float]]  # parameter key to its components, of all that differs from the scene's
+    values: dict[str, list[float]]  # parameter key -> components, where they differ from the scene's
     report: dict[str, Any]  # the fields of report.json that the engine knows
-    prediction: str  # the proxy's picture of the values, a file name in the job folder
+    prediction: str  # the proxy's image of the values, a file name in the job folder
     stopped: bool = False  # whether a stop message ended the loop early
-    # if several were asked for: those found, the best first, whose values are `values`
+    # if several were asked for: those found, the best first; `values` are those of the best
     variants: list[Variant] = field(default_factory=list)
-    # of several shots: the values of each, under its own names; `values` are the first's
+    # of several shots: the values of each, by keys with the names in its scene; `values` are the first shot's
     shots: list[dict[str, list[float]]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -207,38 +207,38 @@ class Stop:
 
 @dataclass(frozen=True)
 class Finish:
-    """Blender → engine: measure and compose, now that Cycles has rendered."""
+    """Blender → engine: measure Cycles' renders, and compose the image that compares them."""
 
-    before: str  # Cycles' picture of the original scene, a PNG path
-    after: str  # Cycles' picture of the result
-    compare_out: str  # where to write before | prediction | after
-    shot: int = 0  # which of several shots, from 0; those before it are on `compare_out` as well
+    before: str  # Cycles' render of the original scene, a PNG path
+    after: str  # Cycles' render of the result, a PNG path
+    compare_out: str  # path of the image to write: before | prediction | after
+    shot: int = 0  # which of several shots, from 0; earlier ones are on `compare_out` too
 
 
 @dataclass(frozen=True)
 class Finished:
-    """Engine → Blender: how well the prediction held and the words are met."""
+    """Engine → Blender: how close the prediction is, and whether the words are visible."""
 
-    # how far predictions are from `after`, in CIEDE2000: the one that is "shown", and with the option `figures` what
-    # would have been predicted "before_last_anchor" and "unanchored". Each has the `mean` and `p95` over the pixels,
-    # and the mean over the `subject`, if it can be seen
+    # CIEDE2000 between a prediction and `after`: for the one "shown" and, with the option `figures`, for those without
+    # the last anchor ("before_last_anchor") and without any ("unanchored"). Each has the `mean` and `p95` over all
+    # pixels, and the mean over the `subject`, if it is visible
     prediction: dict[str, dict[str, float]]
-    similarity: dict[str, float]  # {"before": s, "after": s}, cosine of picture and prompt
+    similarity: dict[str, float]  # {"before": s, "after": s}, cosine of image and prompt
     # a vision-language model's verdict on before and after: winner, reason and what it cost, or error; empty if no
     # model is configured
     judge: dict[str, Any] = field(default_factory=dict)
-    # what every word claims of the picture, and whether it holds; rows of `claims.verdict`
+    # every claim and whether it is satisfied; rows of `ShotClaims.verdicts`
     claims: list[dict[str, Any]] = field(default_factory=list)
-    verdicts: list[dict[str, str]] = field(default_factory=list)  # on every word; rows of `engine.report`
+    verdicts: list[dict[str, str]] = field(default_factory=list)  # for each word, see `engine.report`
 
 
 @dataclass(frozen=True)
 class Check:
-    """Blender → engine: measure the words of the last vibe at another frame, from the job that was exported there with the look."""
+    """Blender → engine: measure the last vibe's words at another frame; `job` was exported there, with the look."""
 
     job: str
-    before: str  # Cycles' picture of the frame without the look, a PNG path
-    after: str  # with it
+    before: str  # Cycles' render of the frame without the look, a PNG path
+    after: str  # the same with the look
 
 
 @dataclass(frozen=True)
@@ -296,7 +296,7 @@ def read(stream: BinaryIO) -> Iterator[Message]:
 
 
 def check_schema(theirs: str, who: str) -> None:
-    """Makes sure that the other process has this process's parameter table."""
+    """Raises VibeError if the other process has another parameter table than this process."""
     if theirs != schema_hash():
         problem = f"The {who} has another parameter table ({theirs or 'none'} instead of {schema_hash()})."
         raise VibeError(problem, "Install the same version of vibe-render for Blender and for the engine.")
@@ -306,7 +306,11 @@ ClaimVerdict = Mapping[str, Any]  # a row of the report's `claims`, see `proxy_r
 
 
 def word_states(rows: Sequence[ClaimVerdict]) -> dict[str, str]:
-    """Word with claims -> "missed" if one is, "unmeasured" if judges do not see what one tells, "visible", or "already" so before."""
+    """Word with measured claims -> the first state in `_STRONGEST` that one of its claims has.
+
+    A claim is "missed" if it is not satisfied, "unmeasured" if judges do not see what its measure reads, "visible" if
+    the run satisfied it, and "already" if it was satisfied before.
+    """
     states: dict[str, str] = {}
     for row in rows:
         held = "already" if row["already"] else "visible"
@@ -317,7 +321,7 @@ def word_states(rows: Sequence[ClaimVerdict]) -> dict[str, str]:
 
 
 def words_of(row: ClaimVerdict) -> tuple[str, ...]:
-    """The words of the prompt that stand or fall with a claim; none for what every image has to satisfy."""
+    """The words of the prompt that a claim belongs to; none for a claim that every image has to satisfy."""
     return tuple(word for word in (row["word"], *row.get("also", ())) if word)
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Orbits around the subject: how cameras and lights become azimuth, elevation and distance.
+"""Orbits around the subject: places of cameras and lights as azimuth, elevation and distance.
 
 An azimuth of 0 is in front of the subject (-Y), 90 is at +X, which is the right-hand side of a
-picture taken from the front; an elevation of 90 is straight above. Angles are in degrees.
+image taken from the front; an elevation of 90 is straight above. Angles are in degrees.
 """
 
 import math
@@ -14,13 +14,13 @@ IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 def direction(azimuth: float, elevation: float) -> Vector:
-    """Unit vector from the subject towards something that stands at these angles."""
+    """Unit vector from the subject toward a camera or light at these angles, in degrees."""
     a, e = math.radians(azimuth), math.radians(elevation)
     return math.cos(e) * math.sin(a), -math.cos(e) * math.cos(a), math.sin(e)
 
 
 def angles(vector: Sequence[float]) -> tuple[float, float]:
-    """Azimuth in (-180, 180] and elevation in [-90, 90], degrees: the inverse of `direction`; straight up or down, the azimuth is 0.
+    """Azimuth in (-180, 180] and elevation in [-90, 90], the inverse of `direction`; straight up or down, azimuth 0.
 
     >>> angles((2.0, 0.0, 0.0)), angles((0.0, 0.0, 1.0))
     ((90.0, 0.0), (0.0, 90.0))
@@ -30,7 +30,7 @@ def angles(vector: Sequence[float]) -> tuple[float, float]:
 
 
 def frame(azimuth: float, elevation: float) -> Matrix:
-    """Rotation (rows of a 3x3 matrix) with columns right, up and to the viewer, of a camera that looks at the subject."""
+    """Rotation of a camera that looks at the subject, as rows of a 3x3 matrix; its columns: right, up, to the viewer."""
     a = math.radians(azimuth)
     zx, zy, zz = direction(azimuth, elevation)
     xx, xy = math.cos(a), math.sin(a)

@@ -16,13 +16,13 @@ Values = tuple[float, ...]
 
 @dataclass(frozen=True)
 class Scale:
-    """A monotone map between a bounded value and u in [0, 1] in which equal steps look alike."""
+    """A monotone map between a bounded value and u in [0, 1], where equal steps of u look about equally large."""
 
     name: Literal["linear", "log", "power"] = "linear"  # "log" needs a positive lower bound
     exponent: float = 1.0  # for "power": value = lower + (upper - lower) * u ** exponent
 
     def to_unit(self, value: float, lower: float, upper: float) -> float:
-        """Maps a value to the place u in [0, 1] where it stands between its bounds.
+        """Maps a value, clamped to its bounds, to u in [0, 1].
 
         >>> Scale("log").to_unit(10.0, 1.0, 100.0), Scale().to_unit(7.0, 0.0, 4.0)
         (0.5, 1.0)
@@ -47,17 +47,17 @@ SRGB = Scale("power", 2.2)  # color components: even steps in u are about even s
 
 @dataclass(frozen=True)
 class Parameter:
-    """One row of the schema: a family of values that every scene has none, one or several of."""
+    """One row of the schema: a kind of value, of which a scene may have none, one or several."""
 
     group: str  # camera, light, world, material, volume or film
     name: str  # unique within the group
     kind: Kind  # "scalar", "color" (three linear Rec.709 components) or "angle" (degrees)
-    default: float  # value of one component that leaves the picture as a fresh Blender scene has it
-    lower: float  # hard lower bound of every component, in `unit`, times the instance's reference
-    upper: float  # hard upper bound, likewise
+    default: float  # value of each component that keeps the image as in a new Blender scene
+    lower: float  # hard lower bound of every component, in `unit`; times the instance's reference
+    upper: float  # hard upper bound, with the same unit and factor
     unit: str  # "", "W", "W/m2", "m", "1/m", "deg", "K" or "stops"
     scale: Scale  # the perceptual scale that optimization steps on
-    region: Region  # the part of the picture that it mainly changes
+    region: Region  # the part of the image that it mainly changes
     doc: str  # what it does, for help texts and tool tips
     blender: str  # the socket or property that it means, as an artist would look for it
     reference: str = ""  # the scene length (see `REFERENCES`) that bounds are multiples of; "" for none
@@ -92,7 +92,7 @@ class Instance:
     upper: Values = field(init=False)
 
     def __post_init__(self) -> None:
-        # A scene may hold a value that the schema would not choose: the artist's value is always legal.
+        # The artist's value is always legal: the bounds are widened to include it.
         low, high = (b * self.reference for b in (self.parameter.lower, self.parameter.upper))
         object.__setattr__(self, "lower", tuple(min(low, v) for v in self.value))
         object.__setattr__(self, "upper", tuple(max(high, v) for v in self.value))
@@ -105,7 +105,7 @@ class Instance:
         return self.parameter.key(self.owner)
 
     def distance(self, value: Values) -> float:
-        """The greatest distance of a component from the artist's value on the perceptual scale, 0 to 1."""
+        """The greatest distance of any component of a value from the artist's, on the perceptual scale, 0 to 1."""
         unit = self.parameter.scale.to_unit
         ends = zip(self.value, value, self.lower, self.upper, strict=True)
         return max(abs(unit(a, low, high) - unit(b, low, high)) for a, b, low, high in ends)
@@ -125,7 +125,7 @@ def split_key(key: str) -> tuple[str, str, str]:
 
 
 def matches(key: str, patterns: tuple[str, ...] | list[str]) -> bool:
-    """True if a pattern names a key: patterns are groups, groups with an owner, keys, or globs of keys.
+    """True if one of the patterns fits a key. A pattern is a group, a group with an owner, a key, or a glob of keys.
 
     >>> matches("light/Key/power", ["light"]), matches("light/Key/power", ["*/power"])
     (True, True)
@@ -136,7 +136,7 @@ def matches(key: str, patterns: tuple[str, ...] | list[str]) -> bool:
 
 # A mood never repaints the scene. Moods, light words, places, weather, seasons, times of day and grade words are served by
 # lights, world, air and film. A material changes only for a word that the prompt itself says, that is bound to it, and that
-# speaks of its color, substance or finish. A material that lights the scene by its glow is a light, and its glow no paint.
+# speaks of its color, substance or finish. The glow of a material that lights the scene counts as a light, not as paint.
 PAINT = "material"  # the group of parameters that only words about surfaces may change
 _NO_PAINT = frozenset(("light", "world", "volume", "film"))
 MEANS: dict[str, frozenset[str]] = {
@@ -145,11 +145,11 @@ MEANS: dict[str, frozenset[str]] = {
 }
 """Slot of a word -> groups of parameters that may serve it."""
 SURFACES = tuple(slot for slot, groups in MEANS.items() if PAINT in groups)  # slots of words about surfaces
-PICTURE = "picture"  # the slot of what a reference image says, which all groups may serve
+PICTURE = "picture"  # the slot of a reference image's wishes, which all groups may serve
 
 
 def may_serve(group: str, slot: str, cause: str = "") -> bool:
-    """True if a group of parameters may serve a word, or a word that a mood stands for (`cause`)."""
+    """True if a group of parameters may serve a word of a slot; materials may not if a mood (`cause`) implies the word."""
     return slot == PICTURE or (group in MEANS[slot] and not (cause and group == PAINT))
 
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Presets: a look by semantic role, so that it can be put on another scene.
 
-A preset knows no names and no lengths. Its values belong to the most visible material of the
-subject, to the key light, and so on; they are multiples of the scene's reference lengths, and light
-directions are counted from the camera.
+A preset has no names of objects and no lengths in meters. Its values belong to the most visible
+material of the subject, to the key light, and so on. They are multiples of the scene's reference
+lengths, and azimuths of lights are relative to the camera.
 """
 
 import json
@@ -26,7 +26,7 @@ ROLES: dict[str, str] = {
 }
 """Every role and the parameter group of its values. A camera belongs to its scene, not to a look."""
 
-Entry = dict[str, list[float]]  # of one material, light, …: name to components, in references
+Entry = dict[str, list[float]]  # of one material or light: name -> components, in multiples of the reference
 
 LIGHT_TYPES = tuple(dict.fromkeys(t for p in PARAMETERS if p.group == "light" for t in p.only))
 """Blender's types of light."""
@@ -41,10 +41,10 @@ class Preset:
     """A look."""
 
     name: str  # its title
-    roles: dict[str, list[Entry]]  # role to its entries, the most visible or brightest first
+    roles: dict[str, list[Entry]]  # role -> its entries, the most visible or brightest first
     kinds: dict[str, list[str]] = field(default_factory=dict)  # type of each light ("AREA", …), by role
     prompt: str = ""  # what the artist typed
-    # what it was searched for by, see docs/reference/goals.md: `vibe run --goals` searches it again; {} for none
+    # the goals of its search, which `vibe run --goals` takes again, see docs/reference/goals.md; {} for none
     goals: dict[str, Any] = field(default_factory=dict)
     version: int = VERSION  # of the parameter table that it was made with
 
@@ -54,7 +54,7 @@ class Preset:
 
 
 def title(prompt: str) -> str:
-    """A name for what was typed: its first words, as far as they fit into `LONGEST_NAME` letters."""
+    """A name for a prompt: its first words, `LONGEST_NAME` characters at most."""
     words = " ".join(prompt.split())
     if len(words) <= LONGEST_NAME:
         return words
@@ -62,7 +62,7 @@ def title(prompt: str) -> str:
 
 
 def loads(text: str) -> Preset:
-    """Reads the text of a preset file; nothing in it is run. Raises VibeError if it is none, is newer, or holds what is wrong."""
+    """Reads the text of a preset file; runs nothing in it. Raises VibeError if it is no valid preset, or a newer one."""
     try:
         raw = json.loads(text)
     except RecursionError as error:
@@ -91,7 +91,7 @@ def loads(text: str) -> Preset:
 
 
 def _text(raw: dict[str, Any], name: str, most: int) -> str:
-    """A line of text from the file, as people can read it."""
+    """A field's text on one line, without unprintable characters; one above `most` characters as by `title`."""
     value = raw.get(name, "")
     if not isinstance(value, str) or len(value) > LONGEST_PROMPT:
         raise VibeError(f"The preset's {name} is not a short text.", f"Write at most {most} characters.")
@@ -110,7 +110,7 @@ def _check_role(role: str, entries: Any) -> None:
 
 
 def _check_kinds(kinds: Any, roles: Mapping[str, list[Entry]]) -> None:
-    """The types of the lights: as many as there are entries, where there are any."""
+    """Checks the types of the lights: a role that has types has one for each of its entries."""
     if not isinstance(kinds, dict):
         raise VibeError("The preset's kinds of lights are broken.", _OURS)
     for role, types in kinds.items():
@@ -132,7 +132,7 @@ def _check_value(role: str, name: str, value: Any) -> None:
     if not numbers or len(value) != parameter.components:
         problem = f"The preset's {role}/{name} needs {parameter.components} numbers."
         raise VibeError(problem, "Correct the preset.")
-    if any(isinstance(v, float) and not math.isfinite(v) for v in value):  # an int can be too large to ask
+    if any(isinstance(v, float) and not math.isfinite(v) for v in value):  # isfinite fails for a large int
         raise VibeError(f"The preset's {role}/{name} is not a finite number.", "Correct the preset.")
     if not all(parameter.lower <= v <= parameter.upper for v in value):
         remedy = f"Use {parameter.lower:g} to {parameter.upper:g}."
@@ -140,6 +140,6 @@ def _check_value(role: str, name: str, value: Any) -> None:
 
 
 def clamped(group: str, values: Mapping[str, Sequence[float]]) -> Entry:
-    """An entry (values are multiples of the reference) within the bounds that `loads` insists on."""
+    """An entry with its values, multiples of the reference, clamped to the bounds that `loads` accepts."""
     rows = ((name, FAMILIES[f"{group}/{name}"], value) for name, value in values.items())
     return {name: [min(max(float(v), row.lower), row.upper) for v in value] for name, row, value in rows}

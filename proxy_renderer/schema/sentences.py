@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The form of further sentences: those that speak of earlier steps, and what is left of others for a reader of prompts."""
+"""Parses further sentences: those about earlier steps; others are rewritten in the form of prompts."""
 
 import re
 import tomllib
@@ -10,8 +10,8 @@ _TABLES = tomllib.loads(Path(__file__).with_name("sentences.toml").read_text(enc
 
 
 def _pattern(text: str) -> re.Pattern[str]:
-    """A pattern of sentences.toml, with its parts in it; upper and lower case are alike."""
-    for name, part in reversed(_TABLES["parts"].items()):  # a part may have one from above it
+    """Compiles a pattern of sentences.toml, with the parts in braces filled in, ignoring case."""
+    for name, part in reversed(_TABLES["parts"].items()):  # a part may contain parts from above it
         text = text.replace(f"{{{name}}}", part)
     return re.compile(text, re.I)
 
@@ -38,18 +38,18 @@ _DOWN = ("darker", "down", "under", "less")
 
 
 class AboutSteps(NamedTuple):
-    """A sentence that speaks of earlier steps."""
+    """The request of a sentence about earlier steps."""
 
     kind: Literal["show", "between", "strength", "without", "instead", "except"]
     number: int = -1  # of the step: 0 is the scene before the first one; -1 the one before the last
     factor: float = 1.0
-    what: str = ""  # what is taken back, or what stays
-    new: str = ""  # what gets it instead
-    rest: str = ""  # what is to be done after the return to a step
+    what: str = ""  # the word or target that is taken back, or that stays
+    new: str = ""  # the target that gets the look instead
+    rest: str = ""  # the sentence to follow after the return to a step
 
 
 def about_steps(sentence: str) -> AboutSteps | None:
-    """A sentence's words on earlier steps; None for one that only names looks.
+    """The request in a sentence about earlier steps; None for a sentence that only names looks.
 
     >>> about_steps("No, the wall, not the table")
     AboutSteps(kind='instead', number=-1, factor=1.0, what='table', new='wall', rest='')
@@ -68,7 +68,7 @@ def about_steps(sentence: str) -> AboutSteps | None:
 
 
 def _about_steps(text: str) -> AboutSteps | None:
-    """The earlier step that one clause speaks of."""
+    """The request about earlier steps in one clause; None without one."""
     for kind, form in _FORMS:
         if not (found := form.fullmatch(text) or form.fullmatch(_PATTERNS["lead"].sub("", text))):
             continue
@@ -82,7 +82,7 @@ def _about_steps(text: str) -> AboutSteps | None:
 
 
 def _factor(named: dict[str, str]) -> float:
-    """By how much a sentence changes the last step."""
+    """The factor in the named groups of a match: 0.5 for "half", 1.2 for "20 % more"; 1 without one."""
     if "factor" in named:
         return _FACTORS[named["factor"].lower()]
     if "share" not in named:
@@ -93,7 +93,7 @@ def _factor(named: dict[str, str]) -> float:
 
 
 def adds_light(sentence: str) -> bool:
-    """True if a sentence asks for a rim or a fill beside those that are there.
+    """True if a sentence asks for a rim or a fill in addition to the existing ones.
 
     >>> adds_light("a cool rim light"), adds_light("the rim light cooler")
     (True, False)
@@ -102,7 +102,7 @@ def adds_light(sentence: str) -> bool:
 
 
 def plain(sentence: str) -> tuple[str, float]:
-    """A sentence as prompts say it, and the factor of what it compares; 0 if it has none.
+    """A sentence in the form of a prompt, and the factor of its comparison; 0 if it has none.
 
     >>> plain("And now twice as much fog")
     ('more fog', 2.0)
@@ -126,7 +126,7 @@ def plain(sentence: str) -> tuple[str, float]:
             {"share": found["share"], "sign": "less" if _PATTERNS["less"].search(text) else "more"}
         )
         text = text.replace(found[0], "")
-        if "," in text:  # a factor is for all that a sentence changes, and this one only for the last of it
+        if "," in text:  # a factor would apply to the whole sentence, but is meant for its last part
             factor = 0.0
     elif found := re.search(_COMPARED, text, re.I):
         factor = _FACTORS[found["factor"].lower()]
@@ -137,7 +137,7 @@ def plain(sentence: str) -> tuple[str, float]:
 
 
 def _wish(text: str) -> str:
-    """The task of a sentence, without what is wrong now and without reasons."""
+    """The request of a sentence, without its complaint about the present look and without reasons."""
     text = _PATTERNS["reason"].sub("", _PATTERNS["resembles"].sub("", text))
     found = _PATTERNS["complaint"].fullmatch(text)
     if found and found["thing"].lower() not in _PRONOUNS:

@@ -28,7 +28,7 @@ def target_names(target: str) -> list[str]:
 
 
 def listed(target: str) -> str:
-    """A target as a sentence has it: "Cup and Table", "the key light"."""
+    """A target in the words of a sentence: "Cup and Table", "the key light"."""
     names = [f"the {name}" if name in GENERAL and name != NOT_USED else name for name in target_names(target)]
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
@@ -37,4 +37,4 @@ def is_said(key: str, prompt: str) -> bool:
     """True if a prompt has the word of a key, such as "very glossy" or "red#2"."""
     words = re.findall(r"[^\W_]+", key.partition(NUMBER)[0].casefold())
     text = prompt.casefold().replace("colour", "color")
-    return bool(words) and words[-1] in text  # an intensity may stand elsewhere
+    return bool(words) and words[-1] in text  # the last word decides: "very" may stand elsewhere

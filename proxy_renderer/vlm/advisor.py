@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The model as parser and confiner: it improves on the offline planner's draft, which stands in where it fails.
+"""The model as parser and confiner: it improves the offline planner's draft, which is used alone if the model fails.
 
-A model's answer is checked field by field: what is right is used, what is not is mended or dropped, and counted. Nothing of it
-is ever run, opened or looked up: it is numbers, classes of ours, and short texts.
+A model's answer is checked field by field. Valid fields are used; others are repaired or dropped, and counted. Nothing in an
+answer is run, opened or looked up: it has only numbers, known classes and short texts.
 """
 
 import math
@@ -30,8 +30,8 @@ from .transport import ModelError, clean
 _MOST_OBJECTS, _MOST_TEXTS, _MOST_ENTRIES = 12, 8, 200
 _CAPTION, _WORD, _REASON = 160, 60, 160
 _LAST = 99  # greatest priority
-_NARROWEST = 0.04  # of the perceptual scale: a plan says where, the gradient where exactly
-_DEGREES = 10.0  # likewise, of an angle
+_NARROWEST = 0.04  # least width of a range on the perceptual scale: the gradient finds the exact value
+_DEGREES = 10.0  # least width of an angle's range, if that is narrower
 _NEGATION = re.compile(r"\b(no|not|never|without|n't)\b", re.IGNORECASE)
 
 
@@ -47,18 +47,18 @@ class Reply:
     entries: dict[str, PlanEntry] = field(default_factory=dict)  # key -> plan entry, within hard bounds
     keep: set[str] = field(default_factory=set)  # keys that should not move
     clipped: int = 0  # ranges that lay outside of their bounds, in part or entirely
-    mended: int = 0  # ranges upside down or without width, and captions that the encoder would misread
-    dropped: int = 0  # fields and entries that were of no use
-    missing: int = 0  # fields that the schema has and the answer has not
+    mended: int = 0  # reversed, one-sided or too narrow ranges, and captions with a negation
+    dropped: int = 0  # fields and entries that could not be used
+    missing: int = 0  # fields of the schema that the answer lacks
 
     @property
     def useful(self) -> bool:
-        """True if there is anything in it to go by."""
+        """True if the reply has anything that can change the plan or the captions."""
         return bool(self.entries or self.targets or self.colors or self.prompts.whole or self.prompts.subject)
 
 
 def read_reply(raw: dict[str, Any], table: AliasTable) -> Reply:
-    """Checks an answer."""
+    """The usable parts of an answer, with counts of the others."""
     reply = Reply()
     fields = ("objects", "prompts", "targets", "colors", "ignored", "plan", "keep")
     reply.missing = sum(name not in raw for name in fields)
@@ -99,7 +99,7 @@ def _objects(raw: Any, table: AliasTable, reply: Reply) -> list[PromptObject]:
 
 
 def _prompts(raw: Any, reply: Reply) -> Prompts:
-    """Captions; one with a negation is no use to an encoder, which reads past the "no"."""
+    """The captions; without those that have a negation, because the encoder ignores the "no"."""
     given = raw if isinstance(raw, dict) else {}
 
     def usable(name: str) -> tuple[str, ...]:
@@ -114,7 +114,7 @@ def _prompts(raw: Any, reply: Reply) -> Prompts:
 
 
 def _usable(raw: Any, fits: Callable[[str, str], bool], reply: Reply) -> dict[str, str]:
-    """The texts in an object that fit their names; others that are not empty are counted as dropped."""
+    """The texts in a JSON object that `fits` accepts, by name; all others, unless empty, are counted as dropped."""
     found = {}
     for name, value in (raw if isinstance(raw, dict) else {}).items():
         if isinstance(value, str) and fits(name, value.strip()):
@@ -125,7 +125,7 @@ def _usable(raw: Any, fits: Callable[[str, str], bool], reply: Reply) -> dict[st
 
 
 def _add_entry(item: Any, table: AliasTable, reply: Reply) -> None:
-    """One entry of the plan, in the parameter's own unit, within its bounds, and with some width."""
+    """Adds one entry of the plan to the reply, in the parameter's own unit, within its bounds, and not too narrow."""
     name = item.get("parameter") if isinstance(item, dict) else None
     instance = table.rows.get(name) if isinstance(name, str) else None
     if instance is None or instance.key in reply.entries:
@@ -151,7 +151,7 @@ def _add_entry(item: Any, table: AliasTable, reply: Reply) -> None:
 
 
 def widened(instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
-    """A range with at least the least width on the perceptual scale, inside the parameter's bounds."""
+    """A range, widened if necessary to the least width on the perceptual scale, inside the parameter's bounds."""
     scale, angle = instance.parameter.scale, instance.parameter.kind == "angle"
     low, high = [], []
     for a, b, bottom, top in zip(lower, upper, instance.lower, instance.upper, strict=True):
@@ -168,7 +168,7 @@ def widened(instance: Instance, lower: Values, upper: Values) -> tuple[Values, V
 
 
 def _numbers(raw: Any, count: int) -> Values | None:
-    """So many finite numbers, or one that stands for all of them."""
+    """`count` finite numbers, given one by one or as a single one for all; None for anything else."""
     given = raw if isinstance(raw, list) else [raw]
     if len(given) == 1:
         given = given * count
@@ -193,14 +193,14 @@ def _list(raw: Any, reply: Reply) -> list[Any]:
     return []
 
 
-_MODEL = "the model"  # what stands in reports in the place of a word, where a model asks for something
+_MODEL = "the model"  # stands in reports for the word, where a model asks for something
 _KEEPS = "model: keeps the artist's value"
 _COLORS = {"subject": "color", "surroundings": "surroundings_color"}  # region -> quantity of its color
 _PATIENCE = 2  # rounds in a row without an answer, after which the model is not asked any more
 
 
 class ModelAdvisor:
-    """Asks a model once a round, with the current picture; the draft is made of the goals and of what a rig plans."""
+    """Asks a model once a round, with the current image and the offline plan of the goals and the lighting rig as draft."""
 
     def __init__(
         self,
@@ -213,14 +213,14 @@ class ModelAdvisor:
         self._prompt, self._words = understood.prompt, understood.scene
         self._client, self._tell = client, tell
         self._offline = OfflineAdvisor(goals, light)
-        self._caption = ""  # the model's own words for the look: the vocabulary may know these at least
+        self._caption = ""  # the model's last caption of the look, whose words the vocabulary may know
         self._failures: list[str] = []
         self._in_a_row = 0
         self._given_up = False
         self._counts = {"clipped": 0, "mended": 0, "dropped": 0, "missing": 0}
 
     def advise(self, display: Any, instances: Mapping[str, Instance], context: SceneDescription) -> Advice:
-        """The model's advice, else the offline planner's; raises VibeError if neither understands. The first display may be None."""
+        """The model's advice, else the offline planner's; raises VibeError if neither understands. `display`: (H, W, 3)."""
         try:
             draft: Advice | None = self._offline.advise(display, instances, context)
             unknown: VibeError | None = None
@@ -273,7 +273,7 @@ class ModelAdvisor:
     def _combine(
         self, draft: Advice | None, reply: Reply, instances: Mapping[str, Instance], context: SceneDescription
     ) -> Advice:
-        """The model's words where it has some, the draft's elsewhere; its ranges over the drafted ones."""
+        """Draft and reply together: the model's captions and ranges replace the drafted ones, where it gives some."""
         read = draft.goals if draft else goals_of(self._read(reply.prompts.whole))
         subject = [PromptObject(self._words.subject or "subject", "subject")]
         objects = reply.objects or read.parsed.objects or subject
@@ -284,7 +284,7 @@ class ModelAdvisor:
         composed = compose(read.parsed, read.overruled)
         theirs = {name: value for name, value in vars(reply.prompts).items() if value}
         prompts = replace(composed, **theirs)
-        # Its ranges replace the drafted ones; parameters that it keeps leave the plan.
+        # The model's ranges replace the drafted ones; parameters that it keeps leave the plan.
         drafted = confine(goals, dict(instances), context)
         kept = {k: PlanEntry.kept(instances[k], _KEEPS) for k in drafted if k in reply.keep}
         plan = Plan({**drafted, **kept, **reply.entries}, drafted.notes)

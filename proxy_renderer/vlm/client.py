@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Asks a model: time limits, cache, what the server cannot do, what it costs."""
+"""Asks a model, with a time limit and a cache; leaves out options that the server refuses, and counts the cost."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from torch import Tensor
 
 
-_SMALLEST, _LARGEST = 384, 1536  # pixels of the longer side: what models cut into patches well
+_SMALLEST, _LARGEST = 384, 1536  # pixels of the longer side: sizes that models can cut into patches
 
 
 def jpeg_of(picture: Tensor | Image.Image) -> bytes:
-    """A small JPEG of a display picture (H, W, 3) in [0, 1], or of an image."""
+    """A small JPEG of a display-referred tensor (H, W, 3) in [0, 1], or of a PIL image."""
     if not isinstance(picture, Image.Image):
         data = (picture.detach().cpu().numpy().clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
         picture = Image.fromarray(data)
@@ -63,10 +63,10 @@ class Question:
     """A question to a model."""
 
     system: str  # our instructions
-    text: str  # the data, as one JSON document, or a text of ours
+    text: str  # the data as one JSON document, or a plain text
     picture: bytes | None = None  # a JPEG; None for none
     schema: dict[str, Any] | None = None  # JSON schema of the answer; None where the answer is plain text
-    must_see: bool = False  # whether an answer without the picture is of no use
+    must_see: bool = False  # whether an answer without the image would be useless
 
 
 class Dialect:
@@ -79,7 +79,7 @@ class Dialect:
         self._limit = "max_completion_tokens"
 
     def body(self, model: str, question: Question, earlier: list[dict[str, Any]]) -> dict[str, Any]:
-        """The request; `earlier` is an answer that could not be read, and the complaint about it."""
+        """The request; `earlier` has the messages of a first attempt: the unreadable answer and the complaint about it."""
         system = question.system
         body: dict[str, Any] = {"model": model}
         if question.schema is not None:
@@ -104,7 +104,7 @@ class Dialect:
         return {**body, "messages": messages}
 
     def give_up(self, complaint: str, question: Question) -> bool:
-        """Leaves out the option that the server refuses; False if there is nothing more to leave out."""
+        """Leaves out the option that the server's complaint is about; False if nothing more can be left out."""
         if _TEMPERATURE.search(complaint) and self._temperature:
             self._temperature = False
             return True
@@ -128,7 +128,7 @@ class Dialect:
         return bool(complaint) and any(p.search(complaint) for p in (_TEMPERATURE, _LIMIT, _FORMAT, _PICTURE))
 
 
-_MOST = 500  # answers that are kept; the ones used longest ago go first
+_MOST = 500  # most answers that are kept; the least recently used are deleted
 
 
 class Cache:
@@ -139,7 +139,7 @@ class Cache:
 
     @staticmethod
     def key(*parts: Any) -> str:
-        """A name for content: JSON values and bytes."""
+        """A hash of JSON values and bytes, as a file name."""
         digest = hashlib.sha256()
         for part in parts:
             raw = part if isinstance(part, bytes) else json.dumps(part, sort_keys=True).encode()
@@ -157,7 +157,7 @@ class Cache:
             return None
 
     def write(self, key: str, answer: Any) -> None:
-        """Keeps an answer, readable by its owner only; where it cannot be written, the question is paid for again."""
+        """Keeps an answer in a file that only its owner can read; ignores a file that cannot be written."""
         with contextlib.suppress(OSError, RuntimeError):
             self.folder.mkdir(parents=True, exist_ok=True)
             with atomic.replacing(self.folder / f"{key}.json") as part:
@@ -168,8 +168,8 @@ class Cache:
                 path.unlink(missing_ok=True)
 
 
-_VERSION = 1  # of the questions and what is made of answers; a new one forgets the cache
-_REFUSALS = 8  # things that a server may refuse before it counts as useless
+_VERSION = 1  # of the questions and the reading of answers; a new one invalidates the cache
+_REFUSALS = 8  # requests that a server may refuse before it counts as useless
 _AGAIN = (
     "That was not what was asked for. Reply exactly in the form that was asked for, and with nothing else."
 )
@@ -184,7 +184,7 @@ class Usage:
     read: int = 0  # tokens of all questions, as the server counts them
     written: int = 0  # tokens of all answers
     seconds: float = 0.0  # time spent waiting
-    cost: float | None = None  # US dollars, where the server or VIBE_VLM_PRICE says what tokens cost
+    cost: float | None = None  # US dollars; None if neither the server nor VIBE_VLM_PRICE gives a price
 
     def account(self) -> dict[str, Any]:
         """For report.json."""
@@ -211,7 +211,7 @@ class Client:
     def ask(
         self, question: Question, check: Callable[[Any], object] | None = None, fresh: bool = False
     ) -> Any:
-        """The answer: an object if there is a schema, else text. If `check` refuses it, the model is asked again."""
+        """The answer: an object if there is a schema, else text. If `check` raises ModelError, the model is asked once more."""
         point = self.endpoint
         asked = (question.system, question.text, question.schema, question.picture or b"")
         key = Cache.key(_VERSION, point.url, point.model, *asked)
@@ -231,7 +231,7 @@ class Client:
         return answer
 
     def _converse(self, question: Question, check: Callable[[Any], object], end: float) -> Any:
-        """Asks, and once more if the answer cannot be read."""
+        """Asks, and once more if the answer cannot be read or `check` refuses it; `end` is a monotonic time."""
         earlier: list[dict[str, Any]] = []
         while True:
             answer = self._speak(question, earlier, end)
@@ -251,7 +251,7 @@ class Client:
                 earlier = [{"role": "assistant", "content": text[:4000]}, {"role": "user", "content": _AGAIN}]
 
     def _speak(self, question: Question, earlier: list[dict[str, Any]], end: float) -> Completion:
-        """One answer, in whatever dialect the server understands."""
+        """One answer; leaves out options until the server accepts the request. `end` is a monotonic time."""
         for _ in range(_REFUSALS):
             body = self.dialect.body(self.endpoint.model, question, earlier)
             try:

@@ -48,13 +48,14 @@ def find_endpoint(
 ) -> Endpoint | None:
     """The model to ask, or None: no model is asked unless one is named.
 
-    Options come before the environment: VIBE_VLM_MODEL, VIBE_VLM_URL (else OPENAI_BASE_URL, else
+    Options override the environment: VIBE_VLM_MODEL, VIBE_VLM_URL (else OPENAI_BASE_URL, else
     OpenAI's), VIBE_VLM_KEY, VIBE_VLM_TIMEOUT (seconds) and VIBE_VLM_PRICE ("2.5/10", US dollars per
-    million tokens read/written). OPENAI_API_KEY goes only where it belongs: to OPENAI_BASE_URL, or to
-    OpenAI if that is not set. A `vlm_model` of "off" means none, whatever the environment says; the key is that of the
-    add-on's preferences, "" for the environment's.
+    million tokens read/written). OPENAI_API_KEY is sent only to OPENAI_BASE_URL, or to OpenAI if
+    that is not set. A `vlm_model` of "off" means none, whatever the environment says. `key` is that of
+    the add-on's preferences, "" for the environment's.
 
-    Raises VibeError for a URL that is none, a missing key, or a place that Blender may not reach.
+    Raises VibeError for an invalid URL, key, time limit or price, a missing key, or another computer while Blender's
+    online access is off.
     """
     env = os.environ if environment is None else environment
     model = (options.vlm_model or env.get("VIBE_VLM_MODEL", "")).strip()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The paper's blind judge (section 4.1): a model says which of two rows of pictures follows its prompts better."""
+"""The paper's blind judge (section 4.1): a model decides which of two rows of images follows the prompts better."""
 
 import re
 from collections.abc import Sequence
@@ -39,12 +39,12 @@ _NUMBERS = ("zero", "one", "two", "three", "four", "five", "six")
 
 @dataclass(frozen=True)
 class Column:
-    """One object's two pictures."""
+    """One object's two images."""
 
     name: str  # of the object
-    prompt: str  # what both were asked for
-    top: Image.Image  # the first row's picture
-    bottom: Image.Image  # the second row's
+    prompt: str  # the prompt of both images
+    top: Image.Image  # the first row's image
+    bottom: Image.Image  # the second row's image
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ def read_verdict(text: str, rows: tuple[str, str] = ROWS) -> Verdict:
 
 
 def figure(columns: Sequence[Column], rows: tuple[str, str] = ROWS) -> Image.Image:
-    """The comparison figure: two rows of pictures, a column for each object, its prompt under it."""
+    """The comparison figure: two rows of images, a column for each object, its prompt under it."""
     font, small = ImageFont.load_default(20), ImageFont.load_default(17)
     lines = [_wrapped(f"{c.name}: {c.prompt}", small) for c in columns]
     left, top = 110, _MARGIN

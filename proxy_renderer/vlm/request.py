@@ -16,7 +16,7 @@ from ..words.types import SceneDescription
 from .client import Question
 from .transport import clean
 
-_LIGHTS, _MATERIALS = 8, 10  # the most important ones; a question has to fit into small contexts
+_LIGHTS, _MATERIALS = 8, 10  # most of them in a question, which has to fit into small contexts
 _LONGEST_NAME = 60
 
 
@@ -25,7 +25,7 @@ class Alias:
     """A short name for a light or material, which a model may use."""
 
     id: str  # "light1"
-    name: str  # the artist's
+    name: str  # the artist's name for it
     role: str  # as in `schema.Instance`
     share: float | None = None  # fraction of its region's pixels, for materials; None if unknown
     kind: str = ""  # type of light; "" for materials
@@ -77,13 +77,13 @@ class AliasTable:
         return min(low), max(high)
 
     def ordered(self, instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
-        """A model's range with its ends in order; directions may pass 180 degrees: 150 to -150 becomes 150 to 210."""
+        """A model's range with its ends in order; a direction may go beyond 180 degrees: 150 to -150 becomes 150 to 210."""
         if _is_direction(instance) and lower[0] - upper[0] > 180.0:
             return lower, (upper[0] + 360.0,)
         return tuple(map(min, lower, upper)), tuple(map(max, lower, upper))
 
     def in_schema_units(self, instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
-        """The schema's values for a range in the units of `shown`: its inverse."""
+        """The inverse of `shown` for a range; a direction is turned by full turns toward the artist's value."""
         if instance.parameter.kind == "color" and instance.parameter.scale == SRGB:
             lower, upper = (tuple(decode(max(v, 0.0)) for v in end) for end in (lower, upper))
         if _is_direction(instance):
@@ -156,7 +156,7 @@ def make_question(
 
 
 def answer_schema(table: AliasTable) -> dict[str, Any]:
-    """The JSON schema of an answer; only what strict modes of all servers have: no bounds, no patterns."""
+    """The JSON schema of an answer, with only the keywords that all servers' strict modes know: no bounds, no patterns."""
     names = list(table.rows)
     materials = [a.id for a in table.aliases if a.id.startswith("material")]
     region = {"type": "string", "enum": list(REGIONS)}
@@ -227,7 +227,7 @@ def _row(name: str, table: AliasTable, context: SceneDescription, plan: Plan) ->
 
 
 def _measured(context: SceneDescription) -> dict[str, Any]:
-    """Measures of the current picture, for models that see badly or not at all."""
+    """Measures of the current image, for models that see images badly or not at all."""
     if context.picture is None:
         return {}
     colors = context.picture.lab.items()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One request through the `openai` package, bounded in time and size, and what is read in its answer; every failure is a ModelError."""
+"""Requests through the `openai` package, with limits of time and size, and their answers; every failure is a ModelError."""
 
 import json
 import queue
@@ -14,8 +14,8 @@ from typing import Any
 from ..schema import VibeError
 from .endpoint import OPENAI, Endpoint
 
-_SECRET = 12  # characters; real keys have 20 or more
-_TRIES = 200  # braces that are tried in a text around the object
+_SECRET = 12  # characters; a shorter key is not scrubbed, real ones have 20 or more
+_TRIES = 200  # most opening braces in a text at which the object is looked for
 
 
 def find_object(text: str, names: Collection[str]) -> dict[str, Any]:
@@ -86,13 +86,13 @@ class ModelError(VibeError):
         self, message: str, remedy: str, lasting: bool = False, broken: bool = False, complaint: str = ""
     ) -> None:
         super().__init__(message, remedy)
-        self.lasting = lasting  # asking again in this run would fail in the same way: a wrong key, say
-        self.broken = broken  # the server fails, whatever it is asked
+        self.lasting = lasting  # asking again in this run would fail too, as with a wrong key
+        self.broken = broken  # the server itself failed, see `explain_status`
         self.complaint = complaint  # the server's words, which tell what it cannot do; "" for none
 
 
 LARGEST = 2_000_000  # bytes of an answer; a plan has a few thousand
-_RETRIES = 3  # of what fails for a moment: the openai package pauses before each, as long as the server says
+_RETRIES = 3  # after temporary failures; the openai package waits before each as long as the server says
 _TICK = 0.05
 _OVERFULL = re.compile(r"context[ _](length|size|window)|too many tokens|n_ctx", re.IGNORECASE)
 
@@ -105,7 +105,7 @@ class Completion:
     cut: bool  # whether it ran out of tokens
     read: int = 0  # tokens of the question; 0 if the server does not say
     written: int = 0  # tokens of the answer
-    cost: float | None = None  # US dollars, where the server says so
+    cost: float | None = None  # US dollars; None if the server does not say
 
 
 class _TooLong(Exception):
@@ -120,10 +120,10 @@ class Transport:
         self._client: Any = None
 
     def post(self, body: dict[str, Any], seconds: float) -> Completion:
-        """Sends one request and waits for its answer; all that goes wrong, and Stop, is a ModelError.
+        """Sends one request and waits for its answer; every failure, and a stop by the user, raises ModelError.
 
-        It runs in a thread of its own: whatever hangs, be it the name look-up or a server that sends
-        a byte a minute, the time limit holds and Stop is heard.
+        The request runs in a thread of its own. So the time limit and the stop work even if the name
+        look-up hangs, or a server sends a byte a minute.
         """
         client = self._connect()
         box: queue.Queue[Completion | ModelError] = queue.Queue()
@@ -169,12 +169,12 @@ class Transport:
                 remedy = "pip install openai"
                 raise ModelError("The openai package cannot be imported.", remedy, lasting=True) from error
             point = self.endpoint
-            # A redirect could take the picture elsewhere; a proxy has no business on this computer.
+            # A redirect could send the image to another server; a model on this computer needs no proxy.
             http = _bounded(openai.DefaultHttpxClient)(follow_redirects=False, trust_env=not point.local)
             self._client = openai.OpenAI(
                 base_url=point.url, api_key=point.key or "none", max_retries=_RETRIES, http_client=http
             )
-            if point.url != OPENAI:  # the account that the environment names there is nobody else's business
+            if point.url != OPENAI:  # only OpenAI gets the account that the environment names
                 self._client.organization = self._client.project = None
         return self._client
 
@@ -204,7 +204,7 @@ class Transport:
 
 
 def read_completion(raw: bytes) -> Completion:
-    """The model's words in a body that should be a chat completion. Raises ModelError if it is none."""
+    """The model's answer in the body of a response. Raises ModelError if the body is no chat completion."""
     try:
         body = json.loads(raw)
         choice = body["choices"][0]

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The contents of a .blend, and how values get in and out of it."""
+"""The scene in Blender: reads and writes its values, finds its subject, and adds what a look needs."""

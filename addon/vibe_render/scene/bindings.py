@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The place of every parameter of the schema in Blender: one row each. `read` and `write` are loops over the rows."""
+"""The place in Blender of every parameter of the schema: one row each. `read` and `write` loop over the rows."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Codec:
 NUMBER = Codec(lambda raw: (float(raw),), lambda values: values[0])
 
 COLOR = Codec(lambda raw: tuple(map(float, raw[:3])), lambda values: tuple(values))
-"""Linear RGB; a fourth, stored component is alpha, which stays as it is."""
+"""Linear RGB. An alpha component that Blender stores is not read and keeps its value."""
 
 DEGREES = Codec(lambda raw: (math.degrees(raw),), lambda values: math.radians(values[0]))
 
@@ -43,12 +43,12 @@ LENS = Codec(
     lambda per_sensor: (math.degrees(2.0 * math.atan(0.5 / per_sensor)),),
     lambda values: 0.5 / math.tan(math.radians(values[0]) / 2.0),
 )
-"""Focal length as a multiple of the sensor's size, to the field of view."""
+"""Decodes a focal length, in multiples of the sensor's size, to the field of view in degrees."""
 
 
 @dataclass(frozen=True)
 class ParameterBinding:
-    """A row: the schema's parameter, the locator of its value slot, the codec of its value."""
+    """A row: a parameter of the schema, the locator of its value slot, and the codec of its value."""
 
     parameter: schema.Parameter
     locator: at.Locator
@@ -126,7 +126,7 @@ BINDINGS: tuple[ParameterBinding, ...] = (
 def slots(
     context: scene_context.SceneContext, groups: Sequence[str] = schema.GROUPS
 ) -> Iterator[tuple[ParameterBinding, scene_context.Owner, ValueSlot]]:
-    """Every value that the scene has, group by group, owner by owner, in the order of the rows."""
+    """Every value that the scene has, with its row and owner; ordered by group, owner and row."""
     for group in groups:
         rows = [b for b in BINDINGS if b.parameter.group == group]
         for owner in scene_context.owners(context, group):
@@ -145,12 +145,12 @@ def instances(
     groups: Sequence[str] = schema.GROUPS,
     everything: bool = False,
 ) -> dict[str, schema.Instance]:
-    """Every parameter that the scene has, with its value, its role, and the reason if it is locked.
+    """Every parameter that the scene has, by key, with its value, its role, and the reason if it is locked.
 
     Args:
-        subject: The objects that the picture is about.
-        pivot: Center of their bounding box, world space: what cameras and lights orbit.
-        groups: Of the schema: only parameters of these.
+        subject: The objects that the image is about.
+        pivot: Center of the subject's bounding box, world space. Cameras and lights orbit it.
+        groups: The groups of the schema whose parameters are returned.
         everything: Include materials that the camera does not see.
     """
     context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot), everything)
@@ -166,7 +166,7 @@ def instances(
 
 
 def read(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, schema.Values]:
-    """The value of every parameter that the scene has, by key, and links of lights; arguments as for `instances`."""
+    """The values of all parameters and of the light links that Vibe Render added, by key; arguments as for `instances`."""
     found = {key: instance.value for key, instance in instances(scene, subject, pivot).items()}
     return found | light_links.read(scene)
 
@@ -174,13 +174,13 @@ def read(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dic
 def write(
     scene: Scene, values: Mapping[str, Sequence[float]], subject: Sequence[Object], pivot: Sequence[float]
 ) -> dict[str, str]:
-    """Writes values (by key, in the schema's units), recorded in the scene's snapshot; all or none of them.
+    """Writes values (by key, in the schema's units) and records the changes in the snapshot; an error undoes them all.
 
-    Keys of one of our own lights (see `schema.added_lights`) or of a copy of a material (`schema.material_copies`) that
-    the scene lacks add it. Keys of a backdrop that is to differ from the world give the world one.
+    If a key names a light of `schema.added_lights` or a copy of a material (`schema.material_copies`) that the scene
+    lacks, it is added. If values for the backdrop differ from the world's, the world gets a backdrop.
 
     Returns:
-        The keys that have been left alone, and why: locked, or nothing of that name in the scene.
+        The keys that were not written, each with the reason: locked, or nothing of that name in the scene.
 
     Raises:
         VibeError: A value has the wrong number of components, or is NaN or infinite.
@@ -197,7 +197,7 @@ def trial(
 ) -> Iterator[dict[str, str]]:
     """Writes values for the duration of the block; afterwards the scene is exactly as it was.
 
-    Arguments and errors as for `write`; yields the keys that were left alone, and why.
+    Arguments and errors as for `write`; yields the keys that were not written, and why.
     """
     with snapshot.undone(scene) as journal:
         rest = put(journal, scene, values, subject, pivot)
@@ -212,7 +212,7 @@ def put(
     subject: Sequence[Object],
     pivot: Sequence[float],
 ) -> dict[str, str]:
-    """Writes values as `write` does, and leaves it to the caller to keep the journal or to undo it."""
+    """Writes values as `write` does, recorded in a journal that the caller keeps or undoes."""
     for key, value in values.items():
         group, _, name = schema.split_key(key)
         parameter = schema.FAMILIES.get(f"{group}/{name}")
@@ -248,7 +248,7 @@ def put(
 def add_lights(
     journal: Journal, scene: Scene, names: Collection[str], subject: Sequence[Object]
 ) -> list[Object]:
-    """Adds those of `schema.added_lights.ADDED_LIGHTS` that are named and missing, to light the subject (or all there is)."""
+    """Adds the `ADDED_LIGHTS` in `names` that the scene lacks, placed around the subject, or around all meshes without one."""
     known = schema.added_lights.ADDED_LIGHTS
     missing = [name for name in known if name in names and name not in scene.objects]
     if not missing:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Copies of a scene for renders of ours: the artist's settings, some of which Blender cannot put back, stay untouched."""
+"""Copies of a scene for the add-on's own renders, because Blender cannot restore all settings of the original."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..core import compat, rendered
 from ..core.compat import changed
 
 _COARSE_LIGHT = {"sampling_method": "MANUAL", "sample_map_resolution": 512}
-"""A map of a world's light that is computed in a moment. Cycles' own choice may take a minute for stars of noise."""
+"""A coarse importance map of the world's light. The one that Cycles chooses may take a minute for stars of noise."""
 
 T = TypeVar("T")
 _SMALL = 32  # pixels; Blender refuses fewer than 16
@@ -23,10 +23,10 @@ _SMALL = 32  # pixels; Blender refuses fewer than 16
 def copied_scene(scene: bpy.types.Scene, graded: bool = False, **render: Any) -> Iterator[bpy.types.Scene]:
     """A copy of the scene that shares its objects; removed after the block.
 
-    Its output, passes and render result are its own. Sequencer, borders and stereo are off.
+    The copy has its own output, passes and render result. Sequencer, borders and stereo are off.
 
     Args:
-        graded: Keep the compositor, whose File Output nodes write nothing, and the film exposure.
+        graded: Keep the film exposure and the compositor, but let its File Output nodes write nothing.
         **render: Settings of the copy's `render`.
     """
     with ExitStack() as stack:
@@ -34,19 +34,19 @@ def copied_scene(scene: bpy.types.Scene, graded: bool = False, **render: Any) ->
         stack.callback(bpy.data.scenes.remove, twin)
         twin.name = "Vibe Bake"
         for key in [key for key in twin.keys() if key.startswith("vibe_")]:  # noqa: SIM118  no dict
-            del twin[key]  # a snapshot names data-blocks, and Freestyle lines would keep them in use for good
+            del twin[key]  # it refers to data-blocks, which Freestyle lines would keep in use forever
         if graded:
             for tree in compat.separate_compositor(twin, scene):
                 stack.callback(bpy.data.node_groups.remove, tree)
         else:
             compat.drop_compositor(twin)
             twin.cycles.film_exposure = 1.0
-            # Lines cost time, and crash an engine that draws nothing.
+            # Freestyle lines cost time, and crash the engine of `viewer`, which draws nothing.
             render = {"use_freestyle": False, **render}
         settings = {"use_sequencer": False, "use_border": False, "use_multiview": False, **render}
         for name, value in settings.items():
             setattr(twin.render, name, value)
-        # Where nodes without a texture give a world's light, Cycles decides how finely it is sampled.
+        # For a world whose nodes have no environment texture, Cycles would choose a fine map of its light.
         world = rendered.world(scene)
         tree = compat.node_tree(world) if world else None
         computed = tree and all(node.bl_idname != "ShaderNodeTexEnvironment" for node in tree.nodes)
@@ -58,8 +58,8 @@ def copied_scene(scene: bpy.types.Scene, graded: bool = False, **render: Any) ->
 def evaluate_render(scene: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], T]) -> T:
     """Calls `read` with the dependency graph of a final render of the current frame, and returns its result.
 
-    Render-level modifiers and render visibility count. Python can only ask for the viewport's version of a scene; a render
-    engine is handed the other one, so this registers one for a moment. Nothing is rendered, nothing in the file changes.
+    The graph has render-level modifiers and render visibility. Blender gives it only to render engines, so this function
+    registers one for the call. Nothing is rendered, and nothing in the file changes.
     """
     results: list[T] = []
     size: dict[str, Any] = {"resolution_percentage": 100, "resolution_x": _SMALL, "resolution_y": _SMALL}
@@ -70,7 +70,7 @@ def evaluate_render(scene: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph]
 
 @contextmanager
 def viewer(twin: bpy.types.Scene, look: Callable[[bpy.types.Depsgraph], None]) -> Iterator[None]:
-    """Gives a copied scene an engine inside the block that draws nothing, and calls `look` with what it would draw."""
+    """Inside the block, the copied scene's render engine draws nothing and calls `look` with the graph of each render."""
     errors: list[Exception] = []
 
     class Viewer(bpy.types.RenderEngine):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vibe Fog: an owned box of fog around the camera, the subject and what else is near.
+"""Vibe Fog: a box of fog that Vibe Render adds around the camera, the subject and objects near them.
 
-A box, because Cycles lets a world volume absorb the light of the world and of suns, which come from
-infinitely far away, altogether. Inside, with z above the box's origin, which is at the subject's base:
+A world volume in Cycles would absorb all light of the world and of suns, which comes from infinitely far
+away. Inside the box, where z is the height above the box's origin, which is at the subject's base:
 
     extinction = Density · exp(−Height Falloff · max(0, z − Height Offset)), scattering = Color · extinction
 """
@@ -33,7 +33,7 @@ _INPUTS: owned.GroupInputs = {
 
 @dataclass(frozen=True)
 class FogDomain:
-    """The fog's box: center (world space), half its sides in meters, and the height at which z is 0: the subject's base."""
+    """The fog's box: its center and half side lengths (world space, meters), and the height of the subject's base."""
 
     center: Vector
     half_size: Vector
@@ -46,11 +46,11 @@ def find_fog(scene: Scene) -> Object | None:
 
 
 _PLANNED: dict[int, FogDomain] = {}
-"""Boxes that are not there yet, of scenes that are seen by several cameras or at several frames."""
+"""By a scene's session ID, the box that its fog will get; for scenes with several cameras or frames."""
 
 
 def plan_fog_box(scene: Scene, shape: FogDomain) -> None:
-    """Sets the box that will be made, whatever the camera and the frame are by then."""
+    """Sets the box that the scene's fog will get, independent of the camera and the frame at that time."""
     _PLANNED[scene.session_uid] = shape
 
 
@@ -62,8 +62,8 @@ def planned_fog_box(scene: Scene) -> FogDomain | None:
 def fog_domain(context: scene_context.SceneContext, eyes: Sequence[Vector] = ()) -> FogDomain:
     """The scene's box of fog, or the one that would be made.
 
-    It holds the camera and other eyes, and as much of the visible scene as lies within four camera distances:
-    beyond, fog would hide it, but a longer way through fog would put out the world's light.
+    It contains the camera, the positions `eyes` of other cameras, and the part of the visible scene within four camera
+    distances of the pivot. Fog would hide objects beyond, and a larger box would absorb the world's light.
     """
     box = find_fog(context.scene)
     if box is not None:
@@ -88,7 +88,7 @@ def _each(pick: Callable, *vectors: Vector) -> Vector:
 
 @dataclass
 class _FogDensitySlot:
-    """Value slot: extinction at the base, 1/m. Renders do not see the box at 0: fog of density 0 would cost time too."""
+    """Value slot: extinction at the base, 1/m. At 0 the box is hidden in renders, because it would cost time."""
 
     box: Object
     input: ValueSlot
@@ -117,7 +117,7 @@ def fog_slot(context: scene_context.SceneContext, name: str) -> ValueSlot:
         density = socket_slot(socket, locks.of_socket(socket, None))
         return _FogDensitySlot(box, density) if name == "Density" else density
 
-    # Measured now: the box that was exported must not depend on a camera that is moved meanwhile.
+    # Measured now: the box must equal the exported one even if the camera moves before it is made.
     shape = fog_domain(context) if name == "Density" else None
 
     def make(journal: Journal) -> ValueSlot | None:
@@ -131,6 +131,7 @@ def fog_slot(context: scene_context.SceneContext, name: str) -> ValueSlot:
 
 
 def _box(journal: Journal, scene: Scene, shape: FogDomain) -> None:
+    """Adds the box with the fog's material, shown as a wire and not selectable."""
     origin = Vector((shape.center.x, shape.center.y, shape.base))
     mesh = owned.new(journal, "meshes", NAME)
     box = owned.new(journal, "objects", NAME, mesh)
@@ -163,7 +164,7 @@ def _fill(tree: NodeTree) -> None:
     position = build.node("ShaderNodeTexCoord").outputs["Object"]
     height = build.node("ShaderNodeSeparateXYZ", Vector=position).outputs["Z"]
     above = build.math("MAXIMUM", build.math("SUBTRACT", height, offset), 0.0)
-    # With a falloff of 0 Cycles folds all this to the density and sees that the fog is homogeneous.
+    # With a falloff of 0, Cycles folds these nodes to the density and treats the fog as homogeneous.
     thinning = build.math("EXPONENT", build.math("MULTIPLY", above, build.math("MULTIPLY", falloff, -1.0)))
     extinction = build.math("MULTIPLY", density, thinning)
     fog = build.node("ShaderNodeVolumePrincipled", Color=color, Density=extinction, Anisotropy=anisotropy)

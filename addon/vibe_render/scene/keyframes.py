@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keyframes of ours, with a journal of their own on top of a scene's snapshot: they can be set aside, brought back and removed."""
+"""The keyframes that Vibe Render adds. Their own journal, on top of the snapshot, lets them be muted and removed."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from ..core import compat, stored_journal
 from ..core.journal import Journal, JournalEntry, address
 
 KEY = "vibe_keyframes"
-MOMENTS = "vibe_moments"  # the looks that they were made of, see `moments`
+MOMENTS = "vibe_moments"  # the looks that the keyframes were made from, see `moments`
 
 
 @dataclass(frozen=True)
 class Track:
-    """The values of a property by frame, numbers or flags; of an array, those of one component."""
+    """The values by frame, numbers or booleans, of a property or of the component `index` of an array."""
 
     owner: bpy_struct
     name: str
@@ -34,7 +34,7 @@ def add(scene: Scene, tracks: Sequence[Track]) -> list[str]:
             if reason := obstacle(track.owner.id_data):
                 left[block.name] = f'"{block.name}" keeps one value at all frames: {reason}.'
                 continue
-            # First: curves change the value that is stored, so that is to be restored after they are gone.
+            # Recorded before the curve: undo runs backward, so it restores the stored value after removing the curve.
             journal.set(track.owner, track.name, getattr(track.owner, track.name))
             _write(journal, track)
     except BaseException:
@@ -68,12 +68,12 @@ def _write(journal: Journal, track: Track) -> None:
 
 
 def exist(scene: Scene) -> bool:
-    """True if the scene has keyframes of ours, also if they are set aside."""
+    """True if the scene has keyframes of Vibe Render's, muted or not."""
     return KEY in scene
 
 
 def are_shown(scene: Scene) -> bool:
-    """True if the scene has some that are not set aside."""
+    """True if the scene has keyframes of Vibe Render's that are not muted."""
     return any(not curve.mute for *_, curve in _curves(scene))
 
 
@@ -82,29 +82,29 @@ def _curves(scene: Scene) -> list[tuple[JournalEntry, ID, FCurve]]:
 
 
 def set_aside(scene: Scene) -> bool:
-    """Mutes them, so that another look can be searched from what they show now; returns whether they were shown before."""
+    """Mutes Vibe Render's keyframes at their present values, from which a search can start; returns True if any was active."""
     shown = are_shown(scene)
     for _, block, curve in _curves(scene):
-        # Blender 5 does not keep the values of a compositor up to date.
+        # Blender 5 does not write the values of a compositor's curves into its nodes.
         compat.set_to_curve(block, curve, scene.frame_current)
         curve.mute = True
     return shown
 
 
 def bring_back(scene: Scene) -> None:
-    """Shows those that were set aside."""
+    """Unmutes Vibe Render's keyframes."""
     for *_, curve in _curves(scene):
         curve.mute = False
 
 
 def take_away(scene: Scene) -> list[str]:
-    """Removes them, and restores the values below; returns what could not be restored."""
+    """Removes Vibe Render's keyframes and restores the values from before them; returns what could not be restored."""
     journal = stored_journal.sound(scene, KEY)
-    scene.pop(KEY, None)  # first: it counts as a user of what is to be removed
+    scene.pop(KEY, None)  # first: the property counts as a user of the blocks to remove
     return journal.undo()
 
 
 def forget(scene: Scene) -> None:
-    """Keeps them as the artist's own."""
+    """Keeps Vibe Render's keyframes as the artist's own."""
     for key in (KEY, MOMENTS):
         scene.pop(key, None)

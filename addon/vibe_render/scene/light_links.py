@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light linking: the objects that a light lights, as the artist has it, and the collections of receivers that links of ours add."""
+"""Light linking: Vibe Render's links put a receiver collection of their own in place of the artist's, which is kept."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from ..core.schema_import import schema
 from .nodes import owned
 
 _LINKS, _BEFORE = "vibe_links", "vibe_before"
-"""Properties of a collection of ours: the keys of its links, and the artist's receivers, which it takes the place of."""
+"""Properties of an added receiver collection: the keys of its links, and the artist's collection that it replaces."""
 States = dict[str, set[Object]]  # "INCLUDE" and "EXCLUDE" -> objects
 
 
 def states(collection: Collection | None) -> States:
-    """The objects of a collection of receivers by their state; those of a child have its state."""
+    """The objects of a receiver collection by link state; objects in a child collection have the child's state."""
     found: States = {"INCLUDE": set(), "EXCLUDE": set()}
     if collection is None:
         return found
@@ -29,13 +29,13 @@ def states(collection: Collection | None) -> States:
 
 
 def read(scene: Scene) -> dict[str, schema.Values]:
-    """The links of ours in a scene, by key."""
+    """The light links that Vibe Render has added to a scene, by key; each has the value 1."""
     receivers = (o.light_linking.receiver_collection for o in scene.objects if o.type == "LIGHT")
     return {key: (1.0,) for each in receivers if each for key in each.get(_LINKS, ())}
 
 
 def put(journal: Journal, scene: Scene, values: Mapping[str, Sequence[float]]) -> dict[str, str]:
-    """Links lights, or takes links of ours away, by key; returns those that could not be set, and why."""
+    """Adds or removes light links, by key; returns the keys that could not be set, and why."""
     rest: dict[str, str] = {}
     wanted: dict[Object, dict[str, bool]] = {}
     for key, value in values.items():
@@ -51,7 +51,7 @@ def put(journal: Journal, scene: Scene, values: Mapping[str, Sequence[float]]) -
 
 
 def _link(journal: Journal, scene: Scene, light: Object, wanted: Mapping[str, bool]) -> None:
-    """Switches links of one light on or off."""
+    """Switches links of one light on or off; `wanted` has the state of each by key."""
     now = light.light_linking.receiver_collection
     ours = now if now and _LINKS in now else None
     before = ours.get(_BEFORE) if ours else now
@@ -72,7 +72,7 @@ def _link(journal: Journal, scene: Scene, light: Object, wanted: Mapping[str, bo
 
 
 def _linked(scene: Scene, keys: Sequence[str], found: States) -> States:
-    """The artist's receivers, as links change them one after the other."""
+    """The receivers in `found` after the links of `keys` have changed them, one after the other."""
     for link in filter(None, map(schema.light_links.link_of, keys)):
         named = {scene.objects[name] for name in link.objects if name in scene.objects}
         if link.only:
@@ -83,7 +83,7 @@ def _linked(scene: Scene, keys: Sequence[str], found: States) -> States:
 
 
 def _fill(receivers: Collection, found: States) -> None:
-    """Links objects to a new collection, in a state each."""
+    """Adds objects to a new receiver collection, each with its link state."""
     by_object = {obj: state for state, objects in found.items() for obj in objects}
     for obj in sorted(by_object, key=lambda each: each.name_full):
         receivers.objects.link(obj)

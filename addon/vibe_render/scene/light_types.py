@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Types of lights: the only list of them, and all that differs between them."""
+"""Blender's types of lights: the only list of them, and all differences between them."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from ..core.journal import Journal
 from ..core.value_slots import PropertySlot, ValueSlot
 
 _TWO_SIDES = ("RECTANGLE", "ELLIPSE")
-_ROUND = 0.01  # relative difference of the sides' scales up to which a cone counts as round
+_ROUND = 0.01  # relative difference of a spot's x and y scale up to which its cone counts as round
 
 
 @dataclass(frozen=True)
 class LightExtent:
     """A measure of how large a light is: the larger, the softer its shadows."""
 
-    parameter: str  # the schema's name of it
-    # from a value per distance to the angle that the light fills, degrees; `from_angle` is the inverse
+    parameter: str  # the schema's name of this measure
+    # from the measure (a size in multiples of the distance) to the angle in degrees that the light fills, and back
     to_angle: Callable[[float], float]
     from_angle: Callable[[float], float]
 
@@ -33,9 +33,9 @@ SIZE = LightExtent(
     lambda size: math.degrees(2 * math.atan(size / 2)),
     lambda angle: 2 * math.tan(math.radians(min(angle, 170.0)) / 2),
 )
-"""Of lights at a distance."""
+"""The size of a light that has a position."""
 ANGLE = LightExtent("angle", float, float)
-"""Of lights at infinity."""
+"""The angular diameter of a light at infinity."""
 EXTENTS = (SIZE, ANGLE)
 
 
@@ -47,8 +47,8 @@ class LightType:
         name: Blender's name: the `type` of the light's data-block.
         extent_property: The property of the data-block that holds the extent.
         energy: The schema's name of its energy: "power" (W) or "strength" (W/m²).
-        extent: The schema's measure of its size; of an area light both sides at once, of a sun an angular diameter.
-        has_position: False for lights at infinity, of which only the direction matters.
+        extent: The schema's measure of its size. For an area light, one value scales both sides.
+        has_position: False for lights at infinity, which have only a direction.
     """
 
     name: str
@@ -58,9 +58,9 @@ class LightType:
     has_position: bool = True
 
     def offset(self, obj: Object, pivot: Vector, rotation: Matrix) -> Vector:
-        """A world-space vector from the pivot toward the light's origin, or against the direction in which it shines.
+        """A world-space vector from the pivot to the light, or for a light at infinity, opposite to its rays.
 
-        `rotation` is the light's, 3x3.
+        `rotation` is the light's rotation in the world, 3x3.
         """
         return obj.matrix_world.translation - pivot if self.has_position else rotation.col[2]
 
@@ -80,12 +80,12 @@ LIGHT_TYPES = {
         LightType("SUN", "angle", "strength", ANGLE, has_position=False),
     )
 }
-"""By Blender's names."""
+"""Every type, by Blender's name."""
 
 
 @dataclass
 class _AreaSizeSlot:
-    """Value slot: the first side of an area light in meters; the second one keeps its proportion to it."""
+    """Value slot: the width of an area light in meters; writing it scales the height by the same factor."""
 
     light: Light
     locked: str
@@ -101,7 +101,7 @@ class _AreaSizeSlot:
 
 
 def exported(obj: Object) -> dict[str, Any]:
-    """Entries of a light in scene.json that lights of other types do not have: angles in radians, `scale` along the width."""
+    """A light's entries in scene.json that depend on its type: angles in radians; `scale` is the object's along the width."""
     data = obj.data
     if data.type == "SPOT":
         return {"spot_size": data.spot_size, "spot_blend": data.spot_blend}
@@ -114,7 +114,7 @@ def exported(obj: Object) -> dict[str, Any]:
 
 
 def has_uneven_cone(obj: Object) -> bool:
-    """True for a spot whose cone is not round."""
+    """True for a spot whose scale makes its cone elliptical."""
     scale = obj.matrix_world.to_scale()
     return obj.data.type == "SPOT" and abs(scale.x - scale.y) > _ROUND * abs(scale.x)
 

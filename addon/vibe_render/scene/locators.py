@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Locators: from a thing in the scene to the slot of one of its values; None where it has no such value."""
+"""Locators: functions that return the slot of one value of an object, material, world or scene, or None without it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Locator = Callable[[SceneContext, Any], ValueSlot | None]
 
 
 def orbit(name: str, context: SceneContext, obj: Object) -> ValueSlot | None:
-    """A coordinate of a camera or light on its orbit; lights that instances show stand where those are."""
+    """A coordinate of a camera or light on its orbit; None for a light outside the scene, which instances place."""
     if obj.type == "LIGHT" and context.scene not in obj.users_scene:
         return None
     if obj not in context.poses:
@@ -34,7 +34,7 @@ def orbit(name: str, context: SceneContext, obj: Object) -> ValueSlot | None:
 
 
 def lens(context: SceneContext, obj: Object) -> ValueSlot | None:
-    """The focal length of a perspective camera, in multiples of its sensor's size."""
+    """The focal length of a perspective camera, in multiples of its sensor's size; None for other cameras."""
     camera = obj.data
     if camera.type != "PERSP":
         return None
@@ -44,13 +44,14 @@ def lens(context: SceneContext, obj: Object) -> ValueSlot | None:
 
 
 def light_property(name: str, context: SceneContext, obj: Object) -> ValueSlot | None:
-    """A property of a light's data. Lights that share it have it once, with the first of them."""
+    """A property of a light's data. Where several lights share the data, only the first one's slot is unlocked."""
     if name not in obj.data.bl_rna.properties:
         return None
     return PropertySlot(obj.data, name, _light_lock(context, obj, name))
 
 
 def _light_lock(context: SceneContext, obj: Object, name: str) -> str:
+    """The reason why a property of a light's data is locked; "" if it is not."""
     first = context.first_lights.get(obj.data, obj)
     if first != obj:
         return f'"{obj.name}" shares its light data with "{first.name}"'
@@ -64,7 +65,7 @@ def light_extent(context: SceneContext, obj: Object) -> ValueSlot:
 
 
 class _TemperatureSlot(PropertySlot):
-    """Value slot: the temperature of a light, where 6500 K is also what a light without one has."""
+    """Value slot: the color temperature of a light in kelvins; 6500 if its temperature is switched off."""
 
     def get(self) -> float:
         return self.owner.temperature if self.owner.use_temperature else 6500.0
@@ -77,38 +78,38 @@ class _TemperatureSlot(PropertySlot):
 
 
 def light_temperature(context: SceneContext, obj: Object) -> ValueSlot | None:
-    """The temperature of a light: that of a Blackbody node, if it has its color from one."""
+    """The temperature of a light: that of its Blackbody node, if it has one and the light's own temperature is off."""
     if light_nodes.kelvin(obj.data) and not obj.data.use_temperature:
         return inputs.input_slot(lambda: light_nodes.kelvin(obj.data))
     return _TemperatureSlot(obj.data, "temperature", _light_lock(context, obj, "temperature"))
 
 
 def shader(name: str, context: SceneContext, material: Material) -> ValueSlot | None:
-    """An input of a surface's shader, named as by the Principled BSDF. Anything that is computed is locked."""
+    """An input of a surface's shader, by its name on the Principled BSDF. A value that nodes compute is locked."""
     return inputs.input_slot(lambda: layers.entry(material, name))
 
 
 def _scaled(color: tuple[float, ...], strongest: float) -> tuple[float, ...]:
-    """A color (RGB or RGBA) whose strongest component is another one, as RGB of the same hue."""
+    """A color (RGB or RGBA) scaled so that its greatest component is `strongest`, as RGB; gray in place of black."""
     before = max(color[:3])
     return tuple(strongest * c / before if before else strongest for c in color[:3])
 
 
 def coat_weight(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The weight of a coat: the input of the shader, or the color of a lacquer over a metal, which is 1 at full strength."""
+    """The weight of a coat: the shader's input, else the greatest color component of a metal's lacquer (`lacquer_over`)."""
     color = inputs.input_slot(partial(layers.lacquer_entry, material, "Base Color"))
     own = shader("Coat Weight", context, material)
     return own or (DerivedSlot(color, lambda rgb: min(max(rgb[:3]), 1.0), _scaled) if color else None)
 
 
 def coat_roughness(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The roughness of a coat: likewise."""
+    """The roughness of a coat: the shader's input, else that of a metal's lacquer."""
     lacquer = partial(layers.lacquer_entry, material, "Roughness")
     return shader("Coat Roughness", context, material) or inputs.input_slot(lacquer)
 
 
 def surface_color(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The base color, or the plain color of a material without nodes. One that is computed or mixed has a tint instead."""
+    """The base color, or the plain color of a material without nodes; None if nodes compute or mix it: it has a tint."""
     if compat.node_tree(material) is None:
         return PropertySlot(material, "diffuse_color", locks.of_property(material, "diffuse_color"))
     colors = layers.colors(material)
@@ -116,26 +117,26 @@ def surface_color(context: SceneContext, material: Material) -> ValueSlot | None
 
 
 def glow_color(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The emission color, or the owned tint on one that is computed."""
+    """The emission color, or the Vibe Tint on a color that nodes compute."""
     find = partial(layers.entry, material, "Emission Color")
     return inputs.input_slot(find, tinted=True) or TINT.slot(find, "Tint")
 
 
 def glow_strength(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The emission strength, or the owned factor of one that is computed."""
+    """The emission strength, or the Vibe Factor on a strength that nodes compute."""
     find = partial(layers.entry, material, "Emission Strength")
     return inputs.input_slot(find, tinted=True) or FACTOR.slot(find, "Factor")
 
 
 def material_tint(name: str, context: SceneContext, material: Material) -> ValueSlot | None:
-    """An input of the owned tint on a base color that is computed, or on each of several that are mixed."""
+    """An input of the Vibe Tint on a base color that nodes compute, or of one on each of several mixed colors."""
     return _of_all(partial(layers.colors, material), TINT, name, plain=len(layers.colors(material)) > 1)
 
 
 def _of_all(
     find: Callable[[], list[NodeEntry]], inset: Inset, name: str, plain: bool = True
 ) -> ValueSlot | None:
-    """An input of the inset on each of several inputs; `plain` as for `Inset.slot`."""
+    """One slot for an input of the insets on all node inputs that `find` returns; `plain` as for `Inset.slot`."""
 
     def entry(number: int) -> NodeEntry:
         return find()[number]
@@ -145,13 +146,16 @@ def _of_all(
 
 
 def recolor(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The part of a computed base color, or else of a computed glow, that the owned tint makes gray."""
+    """The share, 0 to 1, of a computed base color, or else of a computed glow, that the Vibe Tint turns to gray."""
     glow = partial(layers.entry, material, "Emission Color")
     return material_tint("Recolor", context, material) or TINT.slot(glow, "Recolor")
 
 
 def background(name: str, part: str, context: SceneContext, world: World) -> ValueSlot | None:
-    """An input of a world's background; a computed color has a tint instead, of a mix each strength a factor."""
+    """The color or strength of a part of a world's background, LIGHT or BACKDROP.
+
+    Mixed Backgrounds have a Vibe Factor on each strength. None for a mixed or computed color: it has a `world_tint`.
+    """
     if backgrounds.mixed_backgrounds(world, part):
         strengths = partial(backgrounds.mixed_entries, world, part, "Strength")
         return _of_all(strengths, FACTOR, "Factor") if name == "Strength" else None
@@ -162,14 +166,14 @@ def background(name: str, part: str, context: SceneContext, world: World) -> Val
 
 
 def world_tint(part: str, context: SceneContext, world: World) -> ValueSlot | None:
-    """The owned tint on a computed background, or on each of several that are mixed."""
+    """The Vibe Tint on a computed background color, or on the color of each of several mixed Backgrounds."""
     if backgrounds.mixed_backgrounds(world, part):
         return _of_all(partial(backgrounds.mixed_entries, world, part, "Color"), TINT, "Tint")
     return TINT.slot(partial(_single, world, part, "Color"), "Tint")
 
 
 def horizon(context: SceneContext, world: World) -> ValueSlot | None:
-    """The tint of a plain backdrop at the horizon."""
+    """The tint at the horizon of a backdrop with one constant color; None for other backdrops."""
     color = _single(world, BACKDROP, "Color")
     if color is None or inputs.resolve(color).source is not None:
         return None
@@ -178,7 +182,7 @@ def horizon(context: SceneContext, world: World) -> ValueSlot | None:
 
 
 def _single(world: World, part: str, name: str, inset: bool = True) -> NodeEntry | None:
-    """An input of a single Background; `inset` looks through the inset of a horizon."""
+    """An input of a part's only Background; with `inset`, the first input of a Vibe Horizon that feeds it, if there is one."""
     node = backgrounds.single_background(world, part)
     entry = node.entry(name) if node else None
     if entry is None or not inset:
@@ -189,7 +193,7 @@ def _single(world: World, part: str, name: str, inset: bool = True) -> NodeEntry
 
 
 def volume(name: str, context: SceneContext, scene: Scene) -> ValueSlot | None:
-    """A value of the fog: of the artist's world volume if there is one, else of the owned box."""
+    """A value of the fog: of the artist's world volume if there is one, else of the Vibe Fog box."""
 
     def own() -> trails.NodeInGroups | None:
         world = rendered.world(scene)
@@ -210,5 +214,5 @@ def view(name: str, context: SceneContext, scene: Scene) -> ValueSlot:
 
 
 def graded(name: str, context: SceneContext, scene: Scene) -> ValueSlot:
-    """An input of the owned compositor group."""
+    """An input of the Vibe Grade group in the compositor."""
     return grade.grade_slot(scene, name)

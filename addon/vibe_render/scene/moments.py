@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Moments: looks at frames of one scene, and the keyframes that lead from each to the next in steps that look even."""
+"""Moments: looks at single frames of one scene, and the keyframes that lead from each to the next in even steps."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from .nodes import owned
 
 ByKey = dict[str, list[float]]
 VERSION = 1
-_PIECES = 16  # of the way between two moments: straight lines between them are within 1 % of the even steps
-_TOLERANCE = 0.005, 2e-4  # of a value, and of its range: a key that is missed by less is left out
-_UNCHANGED = 1e-6  # of a value: what Blender's 32-bit numbers may make of it
+_PIECES = 16  # samples between two moments: straight lines between samples are within 1 % of the even steps
+_TOLERANCE = 0.005, 2e-4  # of a value, and of its range: a key this close to a straight line is left out
+_UNCHANGED = 1e-6  # relative to a value: smaller changes are rounding of 32-bit numbers
 _BRIGHT = ("power", "strength", "backdrop_strength", "emission")
 _TURNING = ("azimuth", "rotation")
 
@@ -37,10 +37,10 @@ class Moment:
     """A look at a frame.
 
     Attributes:
-        values: By key, of what the look changes.
-        base: By key, of the same scene without the look: of all those, and more.
+        values: The values that the look changes, by key.
+        base: The scene's values without the look; has all keys of `values`, and more.
         pivot: The subject's center, world space.
-        subject: Names of its objects.
+        subject: Names of the subject's objects.
     """
 
     frame: int
@@ -67,10 +67,10 @@ def of(scene: Scene) -> list[Moment]:
 
 
 def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
-    """Writes looks at their frames as keyframes, in place of ours; returns what was left alone, and why.
+    """Writes the looks as keyframes at their frames, in place of earlier ones; returns what was left alone, and why.
 
-    What only one of them has is in the scene at all frames, a light without power. Values with the artist's own keyframes
-    or drivers stay.
+    What one look adds is in the scene at all frames; an added light has no power in the other looks. Values with the
+    artist's own keyframes or drivers stay.
     """
     moments = sorted(moments, key=lambda moment: moment.frame)
     keyframes.take_away(scene)
@@ -91,8 +91,8 @@ def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
 def completed(moments: Sequence[Moment]) -> tuple[ByKey, list[ByKey]]:
     """The scene's values without the looks, and each look with the keys of all of them.
 
-    What a look does not change is as in the scene without it. A light that it lacks is dark, and otherwise as in the
-    nearest look that has it. Azimuths go on from the one before by the short way.
+    A value that a look does not change is that of the scene without the look. A light that a look lacks is off, with its
+    other values from the nearest look (by frame) that has it. Azimuths turn the shorter way from look to look.
     """
     base: ByKey = {}
     looks: list[ByKey] = [{} for _ in moments]
@@ -111,15 +111,17 @@ def completed(moments: Sequence[Moment]) -> tuple[ByKey, list[ByKey]]:
 
 
 def _short_way(key: str, last: list[float] | None, value: list[float]) -> list[float]:
+    """The value; of an angle, the equivalent one that is at most half a turn from the last."""
     if last is None or schema.split_key(key)[2] not in _TURNING:
         return value
     return [last[0] + (value[0] - last[0] + 180.0) % 360.0 - 180.0]
 
 
 def between(key: str, first: Sequence[float], last: Sequence[float], share: float) -> list[float]:
-    """A value on the way from one to another, in steps that look even; exact at both ends.
+    """The value at a share, 0 to 1, of the way from `first` to `last`, in steps that look even; exact at both ends.
 
-    Temperatures go by mireds, colors through OKLab, lights by stops, azimuths straight, and all else along its scale.
+    Temperatures are interpolated in mireds, colors in OKLab, brightness in stops, azimuths linearly, all other values
+    on their parameter's perceptual scale.
     """
     if share in (0.0, 1.0) or list(first) == list(last):
         return list(last if share else first)
@@ -128,7 +130,7 @@ def between(key: str, first: Sequence[float], last: Sequence[float], share: floa
         return [1.0 / _straight(1.0 / first[0], 1.0 / last[0], share)]
     if parameter.kind == "color":
         found = from_oklab(_straight(to_oklab(np.array(first)), to_oklab(np.array(last)), share))
-        return [min(float(v), max(1.0, *first, *last)) for v in found]  # the way may leave the gamut
+        return [min(float(v), max(1.0, *first, *last)) for v in found]  # OKLab may leave the gamut
     if parameter.name in _BRIGHT:
         return [_by_stops(first[0], last[0], share)]
     if parameter.name in _TURNING:
@@ -141,7 +143,7 @@ def _straight(first: Any, last: Any, share: float) -> Any:
 
 
 def _by_stops(first: float, last: float, share: float) -> float:
-    """By stops; from or to 0 nearly by watts, so that two lights that swap keep the scene as bright as it is."""
+    """Interpolates in stops; from or to 0 almost linearly, so that a cross-fade of two lights keeps the brightness."""
     dim = 0.0 if min(first, last) > 0.0 else max(first, last)
     return math.exp(_straight(math.log(first + dim), math.log(last + dim), share)) - dim
 
@@ -149,12 +151,12 @@ def _by_stops(first: float, last: float, share: float) -> float:
 def _tracks(scene: Scene, moments: Sequence[Moment], base: ByKey, looks: Sequence[ByKey]) -> list[Track]:
     """The properties that the looks change, with their values by frame.
 
-    All that the values mean in Blender is written, and what was written is read: so lights move on arcs, and every
-    parameter is keyframed through its own binding.
+    Each sampled look is written through the bindings, and the properties that this changes are read back. So lights move
+    on arcs, and every parameter is keyframed as its binding writes it.
     """
     samples = _samples(moments, looks)
     pivot = Vector(moments[-1].pivot)
-    # Of each property, values by frame; None for the scene without looks.
+    # By data-block, path and name of a property, its values by frame; the frame None is the scene without looks.
     found: dict[tuple[int, str, str], dict[int | None, Any]] = {}
     seen: list[int | None] = []
     with snapshot.undone(scene) as journal:
@@ -165,7 +167,7 @@ def _tracks(scene: Scene, moments: Sequence[Moment], base: ByKey, looks: Sequenc
             rendered.layer(scene).update()
             for entry in journal.entries:
                 slot = entry["id"], entry.get("path", ""), entry.get("name", "")
-                old = entry.get("old")  # which a property has had until now
+                old = entry.get("old")  # the property's value before this entry
                 numeric = entry["op"] == "set" and isinstance(old, bool | int | float | list)
                 if numeric and slot not in found:
                     found[slot] = dict.fromkeys(seen, tuple(old) if isinstance(old, list) else old)
@@ -181,7 +183,7 @@ def _tracks(scene: Scene, moments: Sequence[Moment], base: ByKey, looks: Sequenc
 
 
 def _samples(moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[tuple[int, ByKey, list[float]]]:
-    """Frames from the first moment to the last, each with all values and the pivot there."""
+    """Sampled frames from the first moment to the last, each with all values and the pivot."""
     found = [(moments[0].frame, looks[0], moments[0].pivot)]
     for (one, first), (other, last) in pairwise(zip(moments, looks, strict=True)):
         count = min(other.frame - one.frame, _PIECES)
@@ -195,14 +197,14 @@ def _samples(moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[tuple[in
 
 
 def _follow(journal: Journal, scene: Scene, way: Vector) -> None:
-    """Moves lights of ours with the subject: they turn around its center, and look at it."""
+    """Moves the lights that Vibe Render added by `way`, as the subject moved, because they orbit its center."""
     for light in (o for o in scene.objects if o.type == "LIGHT" and owned.MARK in o) if way.length else ():
         journal.set(light, "location", light.location + way)
     rendered.layer(scene).update()
 
 
 def _cards(scene: Scene, moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[Track]:
-    """Cards before lights fade in and out with their light: their shadow would fall into the light of others."""
+    """Opacity of each card (`owned.CARD`): 0 at moments where its light is off, so that it shadows no other light."""
     tracks = []
     for card in (o for o in scene.objects if o.get(owned.MARK) == owned.CARD and o.parent):
         keys = [f"light/{card.parent.name}/{name}" for name in ("power", "strength")]
@@ -215,7 +217,7 @@ def _cards(scene: Scene, moments: Sequence[Moment], looks: Sequence[ByKey]) -> l
 
 
 def _opacity(journal: Journal, card: Object) -> NodeSocket:
-    """The opacity of a card, which gets a material for it."""
+    """The opacity input of a card's material, which is made if it is missing."""
     if not card.data.materials:
         material = owned.new(journal, "materials", owned.CARD)
         tree = compat.enable_nodes(material)
@@ -231,7 +233,10 @@ def _opacity(journal: Journal, card: Object) -> NodeSocket:
 
 
 def _flags(values: Mapping[int, bool]) -> dict[int, bool]:
-    """A flag at the frames where it changes; what is hidden at one frame and seen at the next is there on the way."""
+    """A flag, such as `hide_render`, at the frames where it changes.
+
+    Between two samples it is set only if both have it: an object that is hidden at one of them is visible on the way.
+    """
     frames = list(values)
     held = {a: values[a] and values[b] for a, b in pairwise([*frames, frames[-1]])}
     changes = [b for a, b in pairwise(frames) if held[a] != held[b]]
@@ -241,7 +246,10 @@ def _flags(values: Mapping[int, bool]) -> dict[int, bool]:
 def _curves(
     owner: bpy_struct, name: str, values: dict[int | None, Any], frames: Sequence[int]
 ) -> list[Track]:
-    """The curves of a property's components that change, with keys at the moments and as many between them as it takes."""
+    """A curve for each component of a property that changes, with keys at the moments and as few between as possible.
+
+    `values` are by frame; the frame None, the scene without looks, is removed. `frames` are those of the moments.
+    """
     base = values.pop(None)
     by_frame = {frame: value for frame, value in values.items() if frame is not None}
     if not owner.bl_rna.properties[name].is_animatable:
@@ -261,7 +269,7 @@ def _curves(
 
 
 def _thinned(every: list[int], values: np.ndarray, frames: Sequence[int]) -> dict[int, float]:
-    """Values by frame, at the moments, and between them only where a straight line would miss them."""
+    """Values by frame: all at the moments, and those between that straight lines would miss (`_TOLERANCE`)."""
     kept = {every.index(frame) for frame in frames}
     for one, other in pairwise(sorted(kept)):
         _keep(np.array(every, float), values, one, other, kept)
@@ -269,7 +277,7 @@ def _thinned(every: list[int], values: np.ndarray, frames: Sequence[int]) -> dic
 
 
 def _keep(frames: np.ndarray, values: np.ndarray, one: int, other: int, kept: set[int]) -> None:
-    """Adds the key between two others that a straight line misses most, and goes on in both halves."""
+    """Adds the key between keys `one` and `other` that a straight line misses most, then treats both halves."""
     if other - one < 2:
         return
     inside = slice(one, other + 1)

@@ -32,14 +32,14 @@ class Pose:
 
     obj: Object
     pivot: Vector
-    azimuth: float  # with the elevation: degrees
+    azimuth: float  # degrees, as the elevation
     elevation: float
     distance: float  # meters
-    residual: Matrix  # its rotation relative to looking straight at the pivot; stays when it moves
+    residual: Matrix  # its rotation relative to looking straight at the pivot; kept when it moves
 
     @classmethod
     def of(cls, obj: Object, pivot: Vector) -> Pose:
-        """The present pose; of a sun, in the direction that its light comes from."""
+        """The object's present pose; a sun counts as placed in the direction that its light comes from."""
         rotation = _rotation(obj)
         offset = obj.matrix_world.translation - pivot
         toward = type_of(obj).offset(obj, pivot, rotation) if obj.type == "LIGHT" else offset

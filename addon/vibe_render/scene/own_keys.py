@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The artist's own keyframes of values that a look may change: set aside while it is found, then moved by as much as it changes them."""
+"""The artist's own keyframes of values that a look may change: muted during the search, then shifted by the change."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from . import bindings, keyframes, scene_context, snapshot
 
 
 def hold(scene: Scene) -> None:
-    """Mutes the curves of all values that have no other lock: these are then as at the current frame, and may change.
+    """Mutes the curves of all values that only their keyframes lock: the values stay as they are now, and may change.
 
-    Values with drivers, strips, modifiers of curves, or an action that others share, stay locked.
+    Values with drivers, NLA strips or curve modifiers, or with an action that other data-blocks use, stay locked.
     """
     context = scene_context.SceneContext(scene, (), Vector(), everything=True)
     with snapshot.transaction(scene) as journal:
@@ -31,6 +31,7 @@ def hold(scene: Scene) -> None:
 
 
 def _hold(journal: Journal, scene: Scene, key: str, slot: PropertySlot) -> None:
+    """Mutes the curves of one value, unless one of them has to stay or other node inputs share the value."""
     block, owner = slot.owner.id_data, slot.owner
     path = slot.name if isinstance(owner, ID) else f"{owner.path_from_id()}.{slot.name}"
     curves = [curve for curve in compat.curves(block) if curve.data_path == path]
@@ -48,17 +49,18 @@ def _hold(journal: Journal, scene: Scene, key: str, slot: PropertySlot) -> None:
 
 
 def _may_move(curve: FCurve, action: Any) -> bool:
+    """True if a curve is an active one of the action and has plain keys, without modifiers."""
     mine = curve.id_data == action and not curve.mute
     return mine and bool(curve.keyframe_points) and not (curve.modifiers or curve.sampled_points)
 
 
 def are_held(scene: Scene) -> bool:
-    """True if keyframes of the artist's are set aside, in a scene that has a look."""
+    """True if the scene has a snapshot and some action has keyframes that `hold` has muted."""
     return snapshot.exists(scene) and any(HELD in action for action in bpy.data.actions)
 
 
 def release(scene: Scene) -> None:
-    """Moves the curves that are set aside, all keys of each by as much as the look changes its value, and shows them."""
+    """Unmutes the curves that `hold` has muted, all keys of each shifted by as much as the look changed its value."""
     if not are_held(scene):
         return
     newest = {
@@ -76,16 +78,16 @@ def release(scene: Scene) -> None:
 
 
 def _present(block: Any, curve: FCurve) -> float:
-    """The present value of what a muted curve animates."""
+    """The present value of the property that a muted curve animates."""
     path, _, name = curve.data_path.rpartition(".")
     value = getattr(resolve(block, path), name)
     return float(value[curve.array_index] if hasattr(value, "__len__") else value)
 
 
 def _moved(keys: Keys, parameter: schema.Parameter, was: float, now: float) -> Keys:
-    """Keys, moved by as much as a number is from one to the other: by a factor, or on a linear scale by a difference.
+    """Keys shifted so that the curve has the value `now` where it had `was`.
 
-    Both keep the form of the curve, so that it has the new number where it had the old one.
+    The shift is a factor, or on a linear scale (or from 0) a difference. Both keep the form of the curve.
     """
     if was <= 0.0 or parameter.scale.name == "linear":
         return [[value + now - was for value in key] for key in keys]
@@ -94,7 +96,7 @@ def _moved(keys: Keys, parameter: schema.Parameter, was: float, now: float) -> K
 
 @contextmanager
 def as_before(scene: Scene) -> Iterator[None]:
-    """The artist's own curves, as they were before a look has moved them, for the duration of the block."""
+    """Restores, for the duration of the block, the artist's curves as they were before a look shifted them."""
     moved = []
     for entry, _, curve in reversed(snapshot.load(scene).curves("held")):
         moved.append((curve, keys_of(curve)))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Prepares a scene for a vibe: adds what it lacks, and copies materials that the subject shares. Revert takes it away."""
+"""Prepares a scene for a vibe: adds what is missing, and copies materials that the subject shares. Revert undoes it."""
 
 from __future__ import annotations
 
@@ -33,21 +33,21 @@ _PLACES = {
     "top": (0.0, 80.0, 1.0, 0.8),
     "bounce": (0.0, -40.0, 0.8, 0.3),
 }
-"""The first place of an added light, by its part: azimuth from the camera and elevation (degrees), size in distances,
-and the radiance of a white surface that faces it."""
+"""How an added light starts, by its part: azimuth from the camera and elevation (degrees), size in multiples of its
+distance, and the radiance that it gives to a white surface that faces it."""
 OURS = {"key": "Vibe Key", "fill": "Vibe Fill", "rim": "Vibe Rim"}
-"""By the role that a scene lacks, the light that it gets."""
-_SUN = 0.526  # degrees
-_LEAST_LIGHT = 0.1  # radiance of white at the subject from which a scene is lit
-_CLEAR = 0.2  # of the way from the subject to a wall: how far from the wall a light stands
+"""Role of a light that a scene lacks -> name of the light that is added for it."""
+_SUN = 0.526  # angular diameter of an added sun, degrees
+_LEAST_LIGHT = 0.1  # radiance above which a white surface at the subject counts as lit
+_CLEAR = 0.2  # distance of a light from a wall, in parts of the way from the subject to the wall
 _BACKWARDS = Matrix.Rotation(pi + radians(35.0), 4, "X")
-"""Turns a light that faces the subject away from it, and down: a wall behind is lit, and the floor before the wall."""
+"""Turns a light away from the subject and down, so that it lights the wall behind it and the floor at the wall."""
 LIGHT_TYPE = "AREA"
 """The type of a light that is added for a role."""
 
 
 def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> None:
-    """Adds what is missing for the subject, or for all that is seen."""
+    """Adds a world, a camera, a light and materials where they are missing; without a subject, for all meshes."""
     about = list(subject) or scene_context.meshes(scene)
     low, high = scene_context.bounds(scene, about)
     with snapshot.transaction(scene) as journal:
@@ -60,7 +60,7 @@ def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> None:
 
 
 def _add_world(journal: Journal, scene: Scene) -> None:
-    """Adds a world, or makes one that other scenes use the scene's own."""
+    """Adds a world if there is none; replaces a world that other scenes use too by a copy."""
     shown = rendered.world(scene)
     if shown is None:
         world = owned.new(journal, "worlds", "Vibe World")
@@ -71,11 +71,12 @@ def _add_world(journal: Journal, scene: Scene) -> None:
 
 
 def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> None:
+    """Adds a camera that sees the box between two corners, if the scene has none."""
     if scene.camera is not None:
         return
     data = owned.new(journal, "cameras", "Vibe Camera")
     camera = owned.new(journal, "objects", "Vibe Camera", data)
-    # The lens is fitted on the longer side of the picture; the shorter one has to see all too.
+    # The lens angle is that of the image's longer side; all has to fit into the shorter side too.
     sides = (scene.render.resolution_x, scene.render.resolution_y)
     distance = 1.2 * (high - low).length / 2.0 / tan(data.angle / 2.0) * (max(sides) / min(sides))
     data.clip_end = max(data.clip_end, 10.0 * distance)
@@ -86,6 +87,7 @@ def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> No
 
 
 def _add_key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> None:
+    """Adds a key light if the scene has no lights and no glowing surfaces; with no power if the world lights it."""
     if (
         rendered.lights(scene)
         or rendered.instanced_lights(scene)
@@ -98,9 +100,9 @@ def _add_key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> None:
 
 
 def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vector) -> Object:
-    """Adds one of `schema.added_lights.ADDED_LIGHTS` to a scene, in a collection of its own.
+    """Adds one of `schema.added_lights.ADDED_LIGHTS` to a scene, in the collection for added lights.
 
-    The camera does not see its shape. `low` and `high` are the world-space corners of what it is to light.
+    The camera does not see its shape. `low` and `high` are the world-space corners of the box that it lights.
     """
     what = schema.added_lights.ADDED_LIGHTS[name]
     azimuth, elevation, size, brightness = _PLACES[what.part]
@@ -109,7 +111,7 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     pivot = (low + high) / 2.0
     front = schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0] if scene.camera else 0.0
     toward = Vector(schema.orbit.direction(front + azimuth, elevation))
-    # No wall around the subject may stand in its way.
+    # No wall around the subject may block the light.
     distance, gap = added_light_distance(low, high), 1.01 * (high - low).length / 2.0
     start, graph = pivot + gap * toward, rendered.depsgraph(scene)
     hit, wall, *_ = scene.ray_cast(graph, start, toward, distance=max(distance - gap, 1e-3))
@@ -121,7 +123,7 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
         what.type, distance if kind.has_position else 1.0
     )
     light.visible_camera = False
-    # a sun may stand anywhere: in the middle its card turns with it around what it lights
+    # a sun's place has no effect: at the pivot, its card turns with it around the subject
     light.matrix_world = orbit_matrix(pivot, front + azimuth, elevation, 0.0 if what.pattern else distance)
     if what.part == "background" and kind.has_position:
         light.matrix_world = light.matrix_world @ _BACKWARDS
@@ -136,12 +138,12 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
 
 
 def card_size(low: Vector, high: Vector) -> float:
-    """Size of the card before a light that casts a pattern, meters, for the corners of what it lights."""
+    """Size of the card of a light with a pattern: half the diagonal of the box that the light is for, meters."""
     return (high - low).length / 2.0
 
 
 def _add_card(journal: Journal, light: Object, pattern: str, size: float) -> Object:
-    """A card that only shadow rays see, before a light and turned with it."""
+    """Adds the card of a light with a pattern: in front of the light, turned with it, seen by shadow rays only."""
     lights = schema.added_lights
     quads = lights.card(pattern, size)
     mesh = owned.new(journal, "meshes", lights.CARD)
@@ -157,7 +159,7 @@ def _add_card(journal: Journal, light: Object, pattern: str, size: float) -> Obj
 
 
 def added_light_distance(low: Vector, high: Vector) -> float:
-    """The distance of our lights from the middle of what they light, meters."""
+    """The distance of an added light from the center of the box that it lights, meters."""
     return 1.5 * max((high - low).length, 1e-3)
 
 
@@ -176,6 +178,7 @@ def _is_lit(scene: Scene) -> bool:
 
 
 def _add_material(journal: Journal, obj: Object) -> None:
+    """Adds a material to an object that has none and may be changed."""
     data = obj.data
     filled = [slot for slot in obj.material_slots if slot.material]
     if filled or data.library or data.override_library or not hasattr(data, "materials"):
@@ -189,7 +192,7 @@ def _add_material(journal: Journal, obj: Object) -> None:
 
 
 def _light_of_surfaces(scene: Scene, place: Vector) -> float:
-    """Radiance of a white surface at a place that faces all that glows, as if nothing stood in the way; beyond enough, any more."""
+    """Radiance of a white surface at a place that faces all emitting meshes, unoccluded; stops above `_LEAST_LIGHT`."""
     total, of = 0.0, rendered.layer(scene)
     glow = functools.cache(lambda material: layers.emitted_radiance(material) if material else 0.0)
     for thing, _, matrix in rendered.instances(scene):
@@ -202,7 +205,7 @@ def _light_of_surfaces(scene: Scene, place: Vector) -> float:
 
 
 def _light_of_mesh(mesh: bpy.types.Mesh, matrix: np.ndarray, strengths: list[float], place: Vector) -> float:
-    """The sum of radiance x area / (pi d^2) over a mesh's faces, half of which look the other way."""
+    """The sum of radiance x min(area / (2 pi d^2), 1) over a mesh's faces: half of them count as facing away."""
     count = len(mesh.polygons)
     area = array(mesh.polygons, "area", (count,), float)
     index = array(mesh.polygons, "material_index", (count,), np.int32)
@@ -216,9 +219,9 @@ def _light_of_mesh(mesh: bpy.types.Mesh, matrix: np.ndarray, strengths: list[flo
 
 
 def shared_materials(subject: Sequence[Object]) -> dict[Material, list[Object]]:
-    """The subject's materials that objects outside of it use too, with those objects, in this or other scenes.
+    """The subject's materials that objects outside of it use too, in any scene; each with these objects.
 
-    Those from a library are left out: nobody may change them.
+    Materials from a library are left out, because they cannot be changed.
     """
     inside, theirs = set(subject), {m for obj in subject for m in _materials_of(obj) if m.is_editable}
     users: dict[Material, list[Object]] = {}
@@ -231,13 +234,13 @@ def shared_materials(subject: Sequence[Object]) -> dict[Material, list[Object]]:
 
 
 EVERYTHING = frozenset({"subject"})
-"""Names of what words describe, where they may describe all of the subject."""
+"""The names to give to `described_materials` if words may describe the whole subject."""
 
 
 def described_materials(
     shared: dict[Material, list[Object]], names: frozenset[str]
 ) -> dict[Material, list[Object]]:
-    """Those of `shared_materials` that have one of the names, or whose objects have."""
+    """The `shared` materials that have one of the names or are on objects with one; all of them for `EVERYTHING`."""
     if names >= EVERYTHING:
         return shared
     worn = {m for obj in bpy.data.objects if obj.name in names for m in _materials_of(obj)}
@@ -245,7 +248,7 @@ def described_materials(
 
 
 def separate_materials(scene: Scene, subject: Sequence[Object]) -> None:
-    """Gives the subject copies of its own, recorded in the scene's snapshot."""
+    """Replaces the subject's shared materials by copies, recorded in the scene's snapshot."""
     inside = set(subject)
     with snapshot.transaction(scene) as journal:
         for material in shared_materials(subject):
@@ -256,7 +259,7 @@ def separate_materials(scene: Scene, subject: Sequence[Object]) -> None:
 
 
 def add_copies(journal: Journal, scene: Scene, names: Iterable[str]) -> None:
-    """Adds those of `schema.material_copies` that are named and missing, and puts them on their objects."""
+    """Adds the missing ones of the material copies in `names` (see `schema.material_copies`), on their objects."""
     known = {material.name_full: material for material in bpy.data.materials}
     for name in sorted({*names} - known.keys()):
         source, who = schema.material_copies.copied(name)
@@ -277,7 +280,7 @@ def _materials_of(obj: Object) -> set[Material]:
 def _replace_material(
     journal: Journal, obj: Object, inside: set[Object], old: Material, new: Material
 ) -> None:
-    """Puts a material into an object's slots; a mesh that others use keeps its own."""
+    """Replaces a material in an object's slots, but not in a mesh that objects outside of `inside` use too."""
     for slot in obj.material_slots:
         if slot.material != old:
             continue

@@ -22,7 +22,7 @@ from .nodes import layers, owned, trails
 class Owner:
     """An owner of parameters."""
 
-    name: str  # its name in keys; "" for what a scene has one of
+    name: str  # its name in keys; "" for a camera, world, fog or film
     thing: Any  # its data-block
     role: str = ""  # "subject" or "surroundings" for materials; "key", "fill" or "rim" for lights
     locked: str = ""  # why none of its values may change
@@ -35,36 +35,36 @@ class SceneContext:
     """A scene, its subject, and the pivot of its orbits."""
 
     scene: Scene
-    subject: Sequence[Object]  # the objects that the picture is about
+    subject: Sequence[Object]  # the objects that the image is about
     pivot: Vector  # the center of their bounding box, world space, which cameras and lights orbit
     everything: bool = False  # whether materials that the camera does not see count too
-    # the poses that have been read, by object; the coordinates of one share it
+    # poses that have been read, by object; the slots of an object's three coordinates share its pose
     poses: dict[Object, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        rendered.layer(self.scene).update()  # matrices and memberships of what has changed just now
+        rendered.layer(self.scene).update()  # matrices and collections of objects that have changed
 
     @functools.cached_property
     def instanced_lights(self) -> list[tuple[Object, Matrix]]:
-        """See `rendered.instanced_lights`; asked once, for there may be thousands of instances to go through."""
+        """See `rendered.instanced_lights`; kept, because a scene may have thousands of instances."""
         return rendered.instanced_lights(self.scene)
 
     @functools.cached_property
     def first_lights(self) -> dict[Light, Object]:
-        """By light data, the first of the lights that share it."""
+        """Light data -> the first of the lights that share it."""
         return {light.data: light for light in reversed(rendered.lights(self.scene))}
 
 
 def meshes(scene: Scene) -> list[Object]:
-    """The objects with a surface that a render sees, by name; fog boxes of ours are none."""
+    """The rendered objects with a surface, sorted by name; without Vibe Render's fog box and cards."""
     objects = [o for o in rendered.shown(scene) if o.type in rendered.GEOMETRY and not owned.is_unseen(o)]
     return sorted(objects, key=lambda o: o.name_full)
 
 
 def materials(scene: Scene, subject: Sequence[Object], everything: bool = False) -> dict[Material, str]:
-    """The materials that the camera sees, those of instances too, with their role: subject or surroundings.
+    """The materials that the camera sees, on instances too, each with its role: subject or surroundings.
 
-    Those outside the frame are left out, unless they glow, or `everything` is set.
+    Materials outside the frame are left out, unless they emit light or `everything` is set.
     """
     chosen, to_clip = set(subject), None if everything else rendered.frustum(scene)
     of = rendered.layer(scene)
@@ -88,7 +88,7 @@ def materials(scene: Scene, subject: Sequence[Object], everything: bool = False)
 
 
 def bounds(scene: Scene, objects: Iterable[Object]) -> tuple[Vector, Vector]:
-    """World-space corners (least, greatest) of the evaluated objects; a unit box if there are none."""
+    """World-space corners (least, greatest) of the evaluated objects; a box from -1 to 1 if there are none."""
     graph = rendered.depsgraph(scene)
     corners = []
     for obj in objects:
@@ -135,13 +135,13 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
     if group == "world":
         return [Owner("", world)] if world else []
     if group == "volume" and not (world and trails.world_volume(world)):
-        # A box of fog would show the material that overrides all.
+        # A box of fog would get the material that overrides all others.
         return [Owner("", scene, locked=rendered.override_lock(scene))]
     return [Owner("", scene)]
 
 
 def _set_lock(scene: Scene, light: Object) -> str:
-    """The reason why a light must be left alone: only a background set has it."""
+    """The reason why a light must be left alone: it is only in a background set. "" for other lights."""
     behind = [each for each in rendered.scenes(scene)[1:] if each in light.users_scene]
     return (
         f'it is in the background set "{behind[0].name}"' if behind and scene not in light.users_scene else ""
@@ -156,7 +156,7 @@ def light_lengths(distance: float) -> dict[str, float]:
 def _light_distances(context: SceneContext) -> dict[Object, float]:
     """Distances of the lights from the pivot, meters; never 0.
 
-    Lights that only instances show follow those of the scene: one for each data-block, with its nearest instance.
+    After the scene's own lights come those that only instances show: one for each data-block, at its nearest instance.
     """
     distances = {
         o: max((o.matrix_world.translation - context.pivot).length, 1e-3)
@@ -175,7 +175,7 @@ def _light_distances(context: SceneContext) -> dict[Object, float]:
 def light_roles(context: SceneContext) -> dict[Object, str]:
     """Assigns roles to the lights: "rim" from behind the subject, the brightest other one "key", the rest "fill".
 
-    Lights that only instances show follow those of the scene, one for each data-block.
+    After the scene's own lights come those that only instances show, one for each data-block.
     """
     distances = _light_distances(context)
     rims = {o for o in rendered.lights(context.scene) if _from_behind(o, context)}
@@ -198,6 +198,6 @@ def _from_behind(obj: Object, context: SceneContext) -> bool:
     view = (camera.matrix_world.translation - pivot if camera else front).xy
     offset = type_of(obj).offset(obj, pivot, obj.matrix_world.to_3x3().normalized())
     light = (offset.normalized() if offset.length > 1e-6 else Vector((0.0, 0.0, 1.0))).xy
-    if view.length < 1e-6 or light.length < 0.2:  # straight above is nobody's back
+    if view.length < 1e-6 or light.length < 0.2:  # a light straight above is not behind
         return False
     return view.normalized().dot(light.normalized()) < -0.2

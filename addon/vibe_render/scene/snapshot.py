@@ -21,7 +21,7 @@ KEY = "vibe_snapshot"
 
 
 def take(scene: Scene) -> None:
-    """Starts a snapshot, which `revert` returns to; one that exists already stays."""
+    """Starts a snapshot of the scene as it is, for `revert`; keeps an existing one."""
     if not exists(scene):
         stored_journal.store(scene, KEY, Journal())
 
@@ -32,21 +32,21 @@ def exists(scene: Scene) -> bool:
 
 
 def forget(scene: Scene) -> None:
-    """Keeps the scene as it is now, with its keyframes, for good; the list of steps goes."""
+    """Keeps the scene and its keyframes as they are now: removes the snapshot and the list of steps."""
     for key in (KEY, steps.KEY):
         scene.pop(key, None)
     keyframes.forget(scene)
 
 
 def revert(scene: Scene) -> list[str]:
-    """Restores all that was touched since `take`, and forgets it; returns what is gone, in words.
+    """Restores all values changed since `take` and removes the snapshot; returns what could not be restored, in words.
 
     Raises:
         VibeError: There is no snapshot, or one of a newer version, or a damaged one.
     """
     journal = load(scene)
     lost = keyframes.take_away(scene)
-    forget(scene)  # first: it counts as a user of what is to be removed
+    forget(scene)  # first: the property counts as a user of the blocks to remove
     forget_subject(scene)
     lost += journal.undo()
     rendered.layer(scene).update()
@@ -59,7 +59,7 @@ def mark(scene: Scene) -> int | None:
 
 
 def rollback(scene: Scene, first: int | None) -> None:
-    """Undoes everything recorded since `mark`, unless that has been done; removes a snapshot that was not there then."""
+    """Undoes everything recorded since `mark` returned `first`; if that is None, removes the snapshot, too."""
     if not exists(scene):
         return
     journal = load(scene)
@@ -71,7 +71,7 @@ def rollback(scene: Scene, first: int | None) -> None:
 
 @contextmanager
 def rollback_on_failure(scene: Scene) -> Iterator[None]:
-    """Undoes what was recorded inside the block if that ends in an exception."""
+    """Undoes the changes recorded inside the block if the block raises an exception."""
     start, keyed = mark(scene), keyframes.are_shown(scene)
     try:
         yield
@@ -86,9 +86,9 @@ def rollback_on_failure(scene: Scene) -> Iterator[None]:
 def transaction(scene: Scene) -> Iterator[Journal]:
     """A journal for changes inside the block: kept in the snapshot, or undone after an exception.
 
-    Keyframes of ours are set aside, as they would hide the changes.
+    Vibe Render's keyframes are muted, because they would override the changes.
     """
-    whole = load(scene) if exists(scene) else Journal()  # first: a damaged one stops us here
+    whole = load(scene) if exists(scene) else Journal()  # first: a damaged one raises before any change
     journal, keyed = Journal(), keyframes.set_aside(scene)
     try:
         yield journal
@@ -114,7 +114,7 @@ def undone(scene: Scene) -> Iterator[Journal]:
 
 
 def load(scene: Scene) -> Journal:
-    """The journal of what has been touched since `take`; raises as `revert`."""
+    """The journal of all changes since `take`; raises VibeError as `revert` does."""
     if not exists(scene):
         raise schema.VibeError(
             "This scene has no snapshot to revert to.", "Only a vibed scene can be reverted."

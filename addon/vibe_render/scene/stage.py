@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stages: camera, lights and backdrop of a photographer, around a mesh from a file or in the scene of 'vibe demo'."""
+"""Stages: camera, lights and backdrop, as in a photo studio, around a mesh from a file; and the scene of `vibe demo`."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Point = Sequence[float] | np.ndarray
 DEMO_SUBJECT = "Suzanne"
 """The object that the demo's prompts are about."""
 _DEMO_VIEW = (24.0, 9.0)
-_CAMERA = (32.0, 12.0)  # azimuth, elevation
+_CAMERA = (32.0, 12.0)  # azimuth and elevation, degrees
 _WALL = 8.0  # distance of the backdrop, in radii of the subject
 
 
@@ -63,7 +63,7 @@ def area_light(
         angles: Azimuth and elevation, degrees.
         distance: From the pivot, meters.
         size: Edge length, meters.
-        radiance: Of a white diffuse surface at the pivot that faces the light.
+        radiance: The radiance of a white diffuse surface at the pivot that faces the light.
     """
     lamp = bpy.data.lights.new(name, "AREA")
     lamp.shape, lamp.size, lamp.color = "SQUARE", size, color
@@ -82,14 +82,14 @@ def framing_camera(
     fill: float,
     pivot: Point | None = None,
 ) -> bpy.types.Object:
-    """A camera that sees all points, and makes it the scene's.
+    """Adds a camera that sees all points, and makes it the scene's camera.
 
     Args:
         points: (N, 3), world space.
         angles: Azimuth and elevation, degrees.
-        fov: Along the longer side of the picture, degrees.
-        fill: The part of the picture's half width or height that the points may reach.
-        pivot: The point it looks at; None for the middle of the points' bounding box.
+        fov: Field of view along the longer side of the image, degrees.
+        fill: How far the points may reach from the image's center toward its border; 1 is the border.
+        pivot: The point that the camera looks at; None for the center of the points' bounding box.
     """
     middle = np.asarray(pivot if pivot is not None else (points.min(0) + points.max(0)) / 2)
     x, y, z = ((points - middle) @ np.array(schema.orbit.frame(*angles))).T
@@ -110,7 +110,7 @@ def framing_camera(
 def mesh_object(
     scene: bpy.types.Scene, name: str, vertices: np.ndarray, faces: list, stuff: bpy.types.Material
 ) -> bpy.types.Object:
-    """A smooth mesh of one material; vertices (V, 3), faces lists of vertex numbers."""
+    """Adds a smooth-shaded mesh with one material; vertices (V, 3), faces as lists of vertex indices."""
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(vertices.tolist(), [], faces)
     mesh.shade_smooth()
@@ -121,7 +121,7 @@ def mesh_object(
 
 
 def floor(scene: bpy.types.Scene, half_size: float, stuff: bpy.types.Material) -> bpy.types.Object:
-    """A square floor at height 0."""
+    """Adds a square floor at height 0, centered at the origin."""
     corners = half_size * np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], float)
     return mesh_object(scene, "Stage", corners, [(0, 1, 2, 3)], stuff)
 
@@ -129,14 +129,14 @@ def floor(scene: bpy.types.Scene, half_size: float, stuff: bpy.types.Material) -
 def cyclorama(
     scene: bpy.types.Scene, radius: float, height: float, azimuth: float, stuff: bpy.types.Material
 ) -> bpy.types.Object:
-    """A round floor that sweeps up into a wall behind the subject, without an edge.
+    """Adds a round floor that curves up into a wall behind the subject, without a visible edge.
 
-    The wall goes two thirds of the way around, so that the camera (at an azimuth in degrees) may move.
+    The wall covers about two thirds of the circle. It is open around `azimuth` (degrees), where the camera may move.
     """
     turn = np.linspace(0, math.pi / 2, 17)
     bend = 0.5 * radius
     start = np.linspace(0.01 * radius, radius - bend, 5)
-    # (P, 2): distance from the middle, height
+    # profile of the wall, (P, 2): distance from the center, height
     wall = np.stack(
         [
             np.concatenate([start, radius - bend + bend * np.sin(turn[1:]), [radius]]),
@@ -177,7 +177,7 @@ def build_demo() -> bpy.types.Scene:
     bpy.ops.mesh.primitive_monkey_add(size=1.15, location=(0.0, 0.0, 1.19))
     suzanne = bpy.context.object
     suzanne.name = DEMO_SUBJECT
-    # she looks to the front; turned a little, she meets the key light
+    # Suzanne looks to the front; this turns her a little toward the key light
     suzanne.rotation_euler = (math.radians(-14), 0.0, math.radians(4))
     smooth = suzanne.modifiers.new("Smooth", "SUBSURF")
     smooth.levels = smooth.render_levels = 3
@@ -241,8 +241,8 @@ def _finish_solid(thing: bpy.types.Object, stuff: bpy.types.Material) -> bpy.typ
 def build_stage(path: str | Path, kind: str = "cyclorama") -> bpy.types.Scene:
     """Starts an empty file and stages the mesh in it; the subject's objects are left selected.
 
-    The mesh is moved to stand on height 0 and scaled until its bounding box has a radius of 1 m. An unknown kind,
-    or a file that is missing, broken or without any mesh, is a VibeError.
+    The mesh is moved to stand on height 0, and scaled until half the diagonal of its bounding box is 1 m. Raises
+    VibeError for an unknown kind, or a file that is missing, broken or without any mesh.
     """
     if kind not in options.STAGES:
         raise schema.VibeError(f"There is no stage {kind!r}.", f"Use one of: {', '.join(options.STAGES)}.")
@@ -280,7 +280,7 @@ def build_stage(path: str | Path, kind: str = "cyclorama") -> bpy.types.Scene:
 
 
 def _import_meshes(path: Path) -> list[bpy.types.Object]:
-    """The mesh objects of the file. Lights and cameras that it brings are dropped."""
+    """Imports a file and returns its mesh objects; removes its lights and cameras."""
     importers = {
         ".obj": bpy.ops.wm.obj_import,
         ".ply": bpy.ops.wm.ply_import,
@@ -295,7 +295,7 @@ def _import_meshes(path: Path) -> list[bpy.types.Object]:
         raise schema.VibeError(f"{path.name} cannot be read: {reason}.", "Export it again.") from error
     for extra in [o for o in bpy.data.objects if o.type in ("LIGHT", "CAMERA")]:
         bpy.data.objects.remove(extra)
-    shown = scene_context.meshes(bpy.context.scene)  # not the shapes that stand for bones
+    shown = scene_context.meshes(bpy.context.scene)  # without the objects that only display bones
     meshes = [o for o in shown if o.type == "MESH" and o.data.polygons]
     if not meshes:
         raise schema.VibeError(f"There is no mesh with faces in {path.name}.", "Check that it is a model.")
@@ -319,7 +319,7 @@ def _normalize(meshes: list[bpy.types.Object], path: Path) -> np.ndarray:
 
 
 def _vertices(thing: bpy.types.Object) -> np.ndarray:
-    """Its vertices (V, 3) as they are shown: a skeleton may put them far from where the file has them."""
+    """An object's evaluated vertices (V, 3), world space: a skeleton may move them far from their place in the file."""
     posed = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
     vertices = array(posed.data.vertices, "co", (len(posed.data.vertices), 3), np.float32)
     matrix = np.array(posed.matrix_world)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The steps of a look: a first prompt and further sentences, kept in the .blend with the values that each has changed.
 
-Any of them may be switched off or removed: the values of the others follow without another search.
+Any step may be switched off or removed: the scene then follows from the other steps, without another search.
 """
 
 from __future__ import annotations
@@ -40,12 +40,15 @@ class LookStep:
 
     @property
     def is_relative(self) -> bool:
-        """True if all of its words compare: then it changes whatever is there before it."""
+        """True if all of the step's words compare ("warmer"): its change then applies to whatever value is there before."""
         words = self.goals.get("words", [])
         return bool(words and self.goals.get("holds")) and not any(word.get("look") for word in words)
 
     def keys_of(self, noun: str, by_word: bool = True) -> dict[str, list[str]]:
-        """The words that describe something of that name, or are called so `by_word`, each with the keys that it has changed."""
+        """The words that describe something called `noun`, each with the keys that it has changed.
+
+        With `by_word`, also the words that are called so themselves.
+        """
         wanted, found = set(noun.lower().split()), {}
         for word in self.goals.get("words", ()):
             target = word.get("target", {})
@@ -66,14 +69,14 @@ class LookStep:
 
 @dataclass
 class Change:
-    """A further sentence as changes to the steps of a scene."""
+    """The effect of a further sentence on the steps of a scene."""
 
     steps: Steps
-    values: dict[str, list[float]] = field(default_factory=dict)  # to write first
-    sentence: str = ""  # to search for then; "" for nothing
+    values: dict[str, list[float]] = field(default_factory=dict)  # to write before the search
+    sentence: str = ""  # to search for; "" for no search
     title: str = ""  # the sentence as the list has it
-    shown: int | None = None  # the number of steps that are shown then, if the sentence is no step itself
-    place: int | None = None  # of the step that it replaces; None for another step
+    shown: int | None = None  # how many steps to show, if the sentence only goes to another step
+    place: int | None = None  # index of the step to replace; None to add a step
     first: bool = False  # whether the search is for the first prompt
 
 
@@ -81,7 +84,7 @@ class Change:
 class Steps:
     """All steps of a scene."""
 
-    base: dict[str, list[float]] = field(default_factory=dict)  # values before a first step changes them
+    base: dict[str, list[float]] = field(default_factory=dict)  # each value before a step first changes it
     steps: list[LookStep] = field(default_factory=list)
     shown: int = 0  # how many of the steps the scene shows, from the first
     pivot: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])  # the subject's center at export
@@ -109,7 +112,7 @@ class Steps:
         scene[KEY] = json.dumps({"version": VERSION, **asdict(self)}, ensure_ascii=False)
 
     def values(self, shown: int | None = None) -> dict[str, list[float]]:
-        """The values of everything that steps change, after the first `shown` of them."""
+        """The values of all keys that steps change, after the first `shown` steps; by default those that the scene shows."""
         found = {key: list(value) for key, value in self.base.items()}
         for step in self.steps[: self.shown if shown is None else shown]:
             for key, after in step.after.items() if step.on else ():
@@ -119,7 +122,7 @@ class Steps:
         return found
 
     def take_hand_made(self, current: Known) -> None:
-        """Makes a step of what the artist has changed since the last one."""
+        """Adds a step of the values that the artist has changed by hand since the last step."""
         expected = self.values()
         mine = {k: v for k, v in expected.items() if k in current and not same(k, v, current[k])}
         if mine:
@@ -133,17 +136,17 @@ class Steps:
         reasons: Mapping[str, str] | None = None,
         goals: dict[str, Any] | None = None,
     ) -> None:
-        """Adds a step behind those that are shown, or in the place of another; or shows earlier ones.
+        """Adds a step after the shown ones or replaces a step; if the change only shows other steps, sets `shown`.
 
         Args:
-            before: The scene's values when the search began; what it adds to the scene is not there yet.
-            after: What the search for it has changed.
-            reasons: By key, quoting its words.
+            before: The scene's values when the search began, without those of lights and copies that it has added.
+            after: The values that the search has changed.
+            reasons: Why a value has changed, by key; each reason quotes the words.
         """
         if change.shown is not None:
             self.shown = change.shown
             return
-        if change.place is None:  # what it takes back is a part of it
+        if change.place is None:  # values that the change takes back are a part of the step
             before, after = {**before, **self.values()}, {**change.values, **after}
         old = {key: list(old_value(key, before, after[key])) for key in after}
         self.base = {**old, **self.base}
@@ -163,12 +166,12 @@ class Steps:
         ]
 
     def insert(self, step: LookStep) -> None:
-        """Puts a step behind those that are shown, and shows it."""
+        """Inserts a step after the shown ones, and shows it."""
         self.steps.insert(self.shown, step)
         self.shown += 1
 
     def change(self, sentence: str) -> Change:
-        """The change that a sentence asks for; a VibeError if it is empty, or its step is not there."""
+        """The change that a sentence asks for; raises VibeError if it is empty or names a step that does not exist."""
         if not sentence.strip():
             raise schema.VibeError("The step is empty.", 'Say what is to change: "a bit warmer".')
         said, title = sentences.about_steps(sentence), " ".join(sentence.split())
@@ -197,21 +200,21 @@ class Steps:
         return self._taken_back(title, said)
 
     def again(self, place: int, sentence: str) -> Change:
-        """The search for another sentence in the place of a step."""
+        """The change that replaces a step by a search for another sentence."""
         return Change(self, self.values(place), sentence, sentence, place=place, first=place == 0)
 
     def _taken_back(self, title: str, said: sentences.AboutSteps) -> Change:
-        """The values that a word has changed, as they were before, and the word for another target."""
+        """The change that takes back what a word has changed, and searches the word for another target, if one is named."""
         for number, step in reversed([*enumerate(self.steps[: self.shown])]):
             if step.on and (words := step.keys_of(said.what, by_word=said.kind == "without")):
                 before = self.values(number)
                 taken = {key: before[key] for keys in words.values() for key in keys}
                 new = ", ".join(f"{word} {said.new}" for word in words) if said.new else ""
                 return Change(self, taken, new, title)
-        return Change(self, {}, title, title)  # what the scene has had before; "peachy, not pink"
+        return Change(self, {}, title, title)  # the scene had it before, or a look: "peachy, not pink"
 
     def _last(self) -> int:
-        """The place of the last step that is shown and has words. Raises VibeError where there is none."""
+        """The index of the last shown step that is on and has words. Raises VibeError where there is none."""
         places = [
             n for n, step in enumerate(self.steps[: self.shown]) if step.on and step.sentence not in WORDLESS
         ]
@@ -220,7 +223,7 @@ class Steps:
         return places[-1]
 
     def _mixed(self, first: Known, other: Known, share: float) -> dict[str, list[float]]:
-        """Values on the way from the first to the other ones, or beyond."""
+        """The values that differ, moved from `first` by a share of the way to `other`; above 1, beyond it."""
         return {
             key: along(key, first[key], (first[key], other[key]), share)
             for key in first
@@ -229,7 +232,7 @@ class Steps:
 
 
 def same(key: str, first: Sequence[float], other: Sequence[float]) -> bool:
-    """True if two values read the same; a light that has been turned once around stands where it was."""
+    """True if two values read the same, see `labels.same`; an angle may differ by full turns."""
     if labels.parameter(key).kind == "angle":
         first = [other[0] + (first[0] - other[0] + 180.0) % 360.0 - 180.0]
     return labels.same(key, tuple(first), tuple(other))
@@ -243,12 +246,12 @@ def check_values(values: Known) -> None:
 
 
 def origins(key: str) -> tuple[str, ...]:
-    """The keys of the values that one may have without a look: a copy of a material its original's, a backdrop the world's."""
+    """A key and those that its value may start from: for a material's copy the original's, for a backdrop the world's."""
     return key, schema.material_copies.copied_key(key), backgrounds.WORLD_OF_BACKDROP.get(key, key)
 
 
 def old_value(key: str, before: Known, new: Sequence[float]) -> Sequence[float]:
-    """The value that a change replaces. A light or a link that was not there was off, a backdrop the world's."""
+    """The value that a change replaces: 0 for the power of a new light and for a new link, the world's for a new backdrop."""
     known = next((before[origin] for origin in origins(key) if origin in before), None)
     if known:
         return known
@@ -260,9 +263,9 @@ def old_value(key: str, before: Known, new: Sequence[float]) -> Sequence[float]:
 def along(
     key: str, start: Sequence[float], way: tuple[Sequence[float], Sequence[float]], share: float = 1.0
 ) -> list[float]:
-    """Values, moved by a share of the way between two others, in steps that look even: along the parameter's scale.
+    """The value `start`, moved by a share of the way between two others, measured on the parameter's perceptual scale.
 
-    At both ends of the way the result is exact.
+    If `start` is the beginning of the way, the result is exact for shares of 0 and 1.
     """
     first, last = way
     if list(start) == list(first) and share in (0.0, 1.0):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Subject of a picture: named objects, a collection, the selection, the last one, or the most prominent objects in view."""
+"""The subject of an image: named objects, a collection, the selection, the last subject, or the most prominent objects."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from ..core.schema_import import schema
 from .geometry.triangles import SceneGeometry
 from .geometry.visibility import RAYS, VisibleSurfaces
 
-_PROMINENT = 0.1  # of the most prominent object's weight: what is less is decoration
-_FLAT = 0.35  # height over width of things that others stand on
-_SLACK = 0.02  # of a box's widest side: so far a part may stick out of the thing
+_PROMINENT = 0.1  # relative to the most prominent object's weight: objects below it are decoration
+_FLAT = 0.35  # most height over width of an object that others stand on
+_SLACK = 0.02  # how far a part may stick out of the subject's box, in parts of its longest side
 
 SUBJECT_KEY = "vibe_subject"
 
@@ -40,14 +40,14 @@ def choose_subject(
 ) -> np.ndarray:
     """The objects of the geometry that are the subject: (number of objects,) bool, at least one True.
 
-    A VibeError names an unknown name, or a choice of which nothing shows in the render.
+    Raises VibeError for an unknown name, or if no chosen object is visible to a render.
     """
     names = {o.name_full for o in named_objects(scene, choice)}
     if not names:
         return automatic_subject(scene, geometry, surfaces)
     chosen = np.array([name in names or parent in names for name, parent in geometry.objects])
     if not chosen.any():
-        if not choice.explicit:  # what was chosen once is not in the picture now
+        if not choice.explicit:  # the stored subject is not in the image now
             return automatic_subject(scene, geometry, surfaces)
         raise schema.VibeError(
             "The chosen subject has no mesh that a render shows.", "Choose another object."
@@ -56,7 +56,7 @@ def choose_subject(
 
 
 def named_objects(scene: bpy.types.Scene, choice: SubjectChoice) -> list[bpy.types.Object]:
-    """The chosen or stored objects with their children; none if automatic, a VibeError if a name is unknown."""
+    """The chosen or stored objects with their children; empty without a choice. Raises VibeError for an unknown name."""
     chosen: list[bpy.types.Object] = []
     for name in choice.objects:
         collection = next((c for c in scene.collection.children_recursive if c.name == name), None)
@@ -78,29 +78,29 @@ def automatic_subject(
 ) -> np.ndarray:
     """The prominent objects in view, without their grounds and backdrops: (number of objects,) bool.
 
-    Surroundings are objects that reach three sides of the picture, that enclose the camera, or that are flat and leave
-    the picture or carry another object; but objects among the parts of the subject are parts of it.
+    Surroundings are objects that reach three sides of the image or enclose the camera, thin objects at the image's
+    border, and flat ones that carry another object. But objects inside the subject's bounding box are parts of it.
     """
     count = len(geometry.objects)
     seen = surfaces.object >= 0
-    # What is in the middle of the picture counts most: weights of the rays are (R, R).
+    # The middle of the image counts most: the weights of the rays are (R, R).
     u = (np.arange(RAYS) + 0.5) / RAYS * 2 - 1
     centrality = np.exp(-1.5 * (u[:, None] ** 2 + u**2))
     weight = np.bincount(surfaces.object[seen], centrality[seen], minlength=count)
     visible = weight > 0
-    # Of each object, the number of the picture's four sides at which it is visible.
+    # For each object, the number of the image's four sides at which it is visible.
     owner = surfaces.object
     shown = np.concatenate([np.unique(side) for side in (owner[0], owner[-1], owner[:, 0], owner[:, -1])])
     borders = np.bincount(shown[shown >= 0], minlength=count)
     eye = np.array(scene.camera.matrix_world.translation)
     enclosing = ((geometry.boxes[:, 0] < eye) & (eye < geometry.boxes[:, 1])).all(1)
     loose = visible & ~enclosing & (borders < 3)
-    apart = loose.copy()  # of thousands of objects, few are visible
+    apart = loose.copy()  # compares visible objects only: a scene may have thousands
     apart[visible] &= ~_grounds(geometry.boxes[visible], borders[visible])
-    if not apart.any():  # a close-up fills the picture, and is what it is about
+    if not apart.any():  # a close-up: the object that fills the image is the subject
         apart = weight == weight.max()
     subject = apart & (weight >= _PROMINENT * weight[apart].max())
-    # Objects inside the box around all of it are parts of it.
+    # Objects inside the subject's bounding box are parts of it.
     low, high = geometry.boxes[subject, 0].min(0), geometry.boxes[subject, 1].max(0)
     slack = _SLACK * (high - low).max()
     within = ((geometry.boxes[:, 0] >= low - slack) & (geometry.boxes[:, 1] <= high + slack)).all(1)
@@ -108,7 +108,10 @@ def automatic_subject(
 
 
 def _grounds(boxes: np.ndarray, borders: np.ndarray) -> np.ndarray:
-    """(N,): of visible objects, flat ones that leave the picture or that another stands on or in front of."""
+    """Which of N objects are grounds, (N,) bool: thin ones at the image's border, and flat ones that carry a smaller one.
+
+    `boxes` (N, 2, 3) are bounding boxes, `borders` (N,) how many sides of the image each object reaches.
+    """
     size = boxes[:, 1] - boxes[:, 0]
     widest = np.maximum(size.max(1), 1e-9)
     low = size[:, 2] < _FLAT * widest
@@ -122,7 +125,7 @@ def _grounds(boxes: np.ndarray, borders: np.ndarray) -> np.ndarray:
 
 
 def _thin(boxes: np.ndarray) -> np.ndarray:
-    """(N,): cloths, leaves and planes."""
+    """(N,) bool: objects with one short side, below 2 % of the longest: cloths, leaves and planes."""
     size = boxes[:, 1] - boxes[:, 0]
     return size.min(1) < 0.02 * np.maximum(size.max(1), 1e-9)
 
@@ -137,7 +140,7 @@ def recall_subject(scene: Scene) -> list[Object]:
     """The stored subject's objects that still exist; empty without a stored subject."""
     try:
         names = json.loads(scene.get(SUBJECT_KEY, "[]"))
-    except (TypeError, ValueError):  # somebody else's file
+    except (TypeError, ValueError):  # not a list that was stored here
         return []
     stored = {name for name in names if isinstance(name, str)} if isinstance(names, list) else set()
     return [thing for thing in scene.objects if thing.name_full in stored]

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The options of a vibe, and what is derived from them."""
+"""The options of a vibe, their checks, and the command lines derived from them."""

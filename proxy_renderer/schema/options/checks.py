@@ -16,7 +16,7 @@ from .table import TABLE, TRAITS, Option
 
 
 def frame_numbers(text: str) -> list[int]:
-    """Frames as people write them: "1,50,100-110"; none from "". Raises VibeError for what is no number and no range.
+    """Frames as people write them: "1,50,100-110"; none from "". Raises VibeError for anything but numbers and ranges.
 
     >>> frame_numbers("1, 50, 100-102, 50")
     [1, 50, 100, 101, 102]
@@ -32,7 +32,7 @@ def frame_numbers(text: str) -> list[int]:
 
 
 def prompt(text: str, like: str = "", goals: str = "", then: Sequence[str] = ()) -> str:
-    """A prompt with something in it, of a length that a person types; or a further sentence, likewise."""
+    """The prompt. Raises VibeError if there is nothing to search for, an empty or too long text, or goals with a prompt."""
     if text.strip() and goals:
         raise VibeError("There are a prompt and goals.", "Leave out one of --prompt and --goals.")
     if not all(map(str.strip, then)):
@@ -47,7 +47,7 @@ def prompt(text: str, like: str = "", goals: str = "", then: Sequence[str] = ())
 
 
 def moments(given: argparse.Namespace) -> list[tuple[int, str]]:
-    """Frames and looks of `--moments`, in their order; none with `--markers` or without moments.
+    """Frames and looks of `--moments`, in their order; empty with `--markers` or without moments.
 
     Raises:
         VibeError: They are not written as frames and looks, or other options contradict them.
@@ -66,7 +66,7 @@ def moments(given: argparse.Namespace) -> list[tuple[int, str]]:
 
 
 def steady(given: argparse.Namespace) -> None:
-    """Refuses `--steady` without frames that are checked, or with what goes on from the look of a single frame."""
+    """Refuses `--steady` without `--check-every`, or with options that go on from the look of a single frame."""
     if given.steady and not given.check_every:
         raise VibeError("--steady has no frames to hold at.", "Say which are checked: --check-every 10.")
     if given.steady and (clash := [name for name in ("then", "offset_keys") if getattr(given, name)]):
@@ -75,7 +75,7 @@ def steady(given: argparse.Namespace) -> None:
 
 
 def timed(text: str) -> list[tuple[int, str]]:
-    """Frames and looks as people write them; raises VibeError for what is not written so, or only one.
+    """Frames and looks as people write them; raises VibeError for any other form, or for a single moment.
 
     >>> timed("1: noon; 120: the cup: copper, at dusk")
     [(1, 'noon'), (120, 'the cup: copper, at dusk')]
@@ -91,7 +91,7 @@ def timed(text: str) -> list[tuple[int, str]]:
 
 
 def in_order(found: list[tuple[int, str]]) -> list[tuple[int, str]]:
-    """Moments that are at least two, each at a later frame than the one before."""
+    """The moments as they are; raises VibeError unless they are at least two, each at a later frame than the last."""
     if len(found) < 2:
         remedy = "Add a second one, or use --prompt with --frames."
         raise VibeError("There is only one moment." if found else "There are no moments.", remedy)
@@ -103,7 +103,7 @@ def in_order(found: list[tuple[int, str]]) -> list[tuple[int, str]]:
 
 
 def numbers(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> None:
-    """Every number that a command line has is within its bounds; those that the effort decides are filled in."""
+    """Fills in the numbers that the effort decides; raises VibeError for a number out of its option's bounds."""
     if all(hasattr(given, name) for name in ("effort", *limits.NUMBERS)):
         limits.fill(given)
     for option in table:
@@ -114,7 +114,7 @@ def numbers(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> None:
 
 
 def _listed(given: Sequence[str], known: Sequence[str], problem: str) -> list[str]:
-    """Names in "a,b" lists, each once; a problem, whose {} is the name, if one is not known."""
+    """Names in "a,b" lists, each once. An unknown one is a VibeError: `problem`, with the name for its {}."""
     names = list(dict.fromkeys(name for part in given for name in re.split(r"[,\s]+", part) if name))
     for name in names:
         if name not in known:
@@ -131,7 +131,7 @@ def groups(given: Sequence[str]) -> list[str]:
 
 
 def traits(given: Sequence[str], like: str) -> list[str]:
-    """Traits to take over from a picture, from "a,b" lists, each once."""
+    """Traits to take over from a reference image, from "a,b" lists, each once."""
     names = _listed(given, TRAITS, "--like-only cannot be {}.")
     if names and not like:
         raise VibeError("--like-only speaks of a picture, and there is none.", "Name it: --like still.jpg.")
@@ -139,7 +139,7 @@ def traits(given: Sequence[str], like: str) -> list[str]:
 
 
 def locks(patterns: Sequence[str]) -> None:
-    """Patterns that could match something in a scene; whether they do, the scene will tell."""
+    """Raises VibeError for a lock pattern that matches in no scene. Matches in this scene are not checked here."""
     for pattern in patterns:
         head = pattern.partition("/")[0]
         if head not in GROUPS and not any(c in head for c in "*?["):
@@ -148,7 +148,7 @@ def locks(patterns: Sequence[str]) -> None:
 
 
 def targets(pairs: Iterable[str]) -> dict[str, str]:
-    """Word of a prompt -> what it describes, from "copper=Cup"; whether the scene has that, the scene will tell."""
+    """Word of a prompt -> what it describes, from "copper=Cup"; not checked against the scene."""
     found = {}
     for pair in pairs:
         word, _, target = pair.partition("=")
@@ -160,7 +160,7 @@ def targets(pairs: Iterable[str]) -> dict[str, str]:
 
 
 def folder(path: Path) -> Path:
-    """An output folder that exists now and can be written."""
+    """The absolute path of an output folder, made if missing; raises VibeError if it cannot be written."""
     path = path.expanduser()
     try:
         path.mkdir(parents=True, exist_ok=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Options on a command line, and back: the same for `vibe` and for Blender's side, so that the two cannot drift."""
+"""Converts options to command lines and back, in the same way for `vibe` and for the Blender process."""
 
 import argparse
 from collections.abc import Iterable
@@ -37,7 +37,7 @@ def add_options(
 
 
 def to_arguments(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> list[str]:
-    """The same options again, for the command line of Blender's side."""
+    """Arguments with the same options, for the command line of the Blender process."""
     arguments: list[str] = []
     for option in table:
         value = getattr(given, option.name, None)
@@ -53,6 +53,6 @@ def to_arguments(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> 
 
 
 def engine_options(given: argparse.Namespace, camera: bool, online: bool) -> Options:
-    """The engine's options in a command line."""
+    """The options for the engine from a parsed command line."""
     chosen = {row.name: getattr(given, row.name) for row in rows(Options)}
     return Options.from_dict({**chosen, "camera": camera, "online": online})

@@ -2,7 +2,7 @@
 """The options of a vibe: the only table.
 
 From it come the command lines of `vibe` and of Blender's side (`command_line`) and with them the table in the documents,
-what is wrong on them (`checks`), the message to the engine (`Options`), Blender's properties, and the options in a
+their checks (`checks`), the message to the engine (`Options`), Blender's properties, and the options in a
 manifest of `vibe batch`. A new option is one row: a field of `Options` if the engine has to know it, else a row of `TASK`
 or `SUPPORT`.
 """
@@ -41,10 +41,10 @@ class Panel:
     bounds: tuple[int, int] | None = None  # least and greatest number there, if not those of the option
     length: int = 0  # most characters of a text; 0 for any number
     default: str = ""  # of a text
-    live: bool = False  # whether a text counts with every letter that is typed
+    live: bool = False  # whether a text takes effect with each typed character
     suggestions: tuple[str, ...] = ()  # texts to choose from; others can be typed
     path: bool = False  # whether a text is the path of a file
-    preferences: bool = False  # whether it stands in the add-on's preferences, and not in the scene
+    preferences: bool = False  # whether it is kept in the add-on's preferences, and not in the scene
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Option:
     """A row of the table."""
 
     name: str  # in Python and in a manifest; on a command line with hyphens
-    # its type is the option's. A bool that is True is turned off by --no-NAME; a tuple can be given several times
+    # has the option's type: a bool that is True is turned off by --no-NAME, a tuple can be given several times
     default: int | str | bool | tuple[str, ...]
     help: str  # for the command line and the documents; the default of a number is added to it
     heading: str  # its group, a key of `HEADINGS`
@@ -76,7 +76,7 @@ class Option:
         return list(self.default) if isinstance(self.default, tuple) else self.default
 
     def text(self, default: Any) -> str:
-        """Its help, with the default of a number; None for the effort's."""
+        """The help text; for a number with its default, where None is the effort's."""
         if type(self.default) is not int:
             return self.help
         shown = "the effort's" if default is None else default
@@ -84,15 +84,15 @@ class Option:
 
 
 def option(default: T, help: str, heading: str, **facts: Any) -> T:
-    """A field of `Options` that is a row of the table."""
+    """A field of `Options` that is also a row of the table; `facts` are other fields of `Option`."""
     return field(default=default, metadata={"option": Option("", default, help, heading, **facts)})  # type: ignore[arg-type]
 
 
-STAGES = ("none", "floor", "cyclorama")  # what a bare mesh can be put on
+STAGES = ("none", "floor", "cyclorama")  # stages that a bare mesh can be put on
 
 
 TRAITS = ("light", "grade", "palette", "air", "materials")
-"""Traits to take over from a picture; materials only where it shows the same scene, or they are named."""
+"""Traits to take over from a reference image; materials only if it shows the same scene, or if they are named."""
 
 
 @dataclass(frozen=True)
@@ -199,7 +199,7 @@ class Options:
 
 
 def rows(message: type[Options]) -> tuple[Option, ...]:
-    """The rows of the table that are fields of the message."""
+    """The rows of the table that are fields of `Options`, with their names."""
     known = (f for f in fields(message) if "option" in f.metadata)
     return tuple(replace(f.metadata["option"], name=f.name) for f in known)
 

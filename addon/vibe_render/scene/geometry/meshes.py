@@ -25,9 +25,9 @@ _SKIPPED = {"CURVES": "hair", "VOLUME": "a volume object", "POINTCLOUD": "a poin
 _SIDES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (3, 2, 6, 7), (0, 3, 7, 4), (1, 5, 6, 2))
 """Corners of the sides of a box as Blender numbers them, counter-clockwise seen from outside."""
 _CORNERS = np.array([(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 1, 1), (1, 1, 0)])
-"""Of a unit box."""
+"""The corners of a unit box, in the same order."""
 _NORMALS = np.array([(-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1)], np.float32)
-"""Of the sides."""
+"""The normals of the sides."""
 
 
 def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[list[PlacedMesh], list[str]]:
@@ -71,11 +71,11 @@ def _names(slots: list[bpy.types.Material | None]) -> tuple[str, ...]:
 
 
 def _read_mesh(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvLookup) -> SourceMesh:
-    """Copies a mesh. It reads attributes as blocks of memory, a hundred times faster than loops and triangles."""
+    """Copies a mesh. Attributes are read as blocks of memory, a hundred times faster than item by item."""
     mesh.calc_loop_triangles()
     count, corners = len(mesh.loop_triangles), len(mesh.loops)
     polygon = array(mesh.loop_triangle_polygons, "value", (count,), np.int32)
-    # Blender shows faces whose slot does not exist in the last one.
+    # A face whose slot does not exist has the material of the last slot.
     slot = attribute(mesh, "material_index", mesh.polygons, "material_index")
     slot = np.clip(slot, 0, len(slots) - 1)[polygon]
     return SourceMesh(
@@ -119,7 +119,7 @@ def array(collection, attribute: str, shape: tuple[int, ...], kind: type) -> np.
 def box_geometry(
     scene: bpy.types.Scene, shown: Collection[bpy.types.Object], camera: RayCamera
 ) -> SceneGeometry:
-    """The sides of bounding boxes that face away from a camera: these never hide what is inside or before a box.
+    """The sides of bounding boxes that face away from a camera. They never hide an object inside or in front of a box.
 
     Args:
         shown: The objects that count, of all that a render shows.
@@ -142,7 +142,10 @@ def box_geometry(
 
 
 def _box_mesh(thing: bpy.types.Object, slots: list[bpy.types.Material | None]) -> SourceMesh:
-    """The bounding box of an object, cut along its longest side into parts: one for each slot, as its ratio of the faces."""
+    """The bounding box of an object, cut along its longest side into a part for each of S material slots.
+
+    A part is as long as the slot's share of the faces.
+    """
     ratios = _face_ratios(thing.data, len(slots))
     whole = np.array([thing.bound_box[0], thing.bound_box[6]])
     axis = np.ptp(whole, axis=0).argmax()
@@ -164,7 +167,7 @@ def _box_mesh(thing: bpy.types.Object, slots: list[bpy.types.Material | None]) -
 
 
 def _face_ratios(mesh: bpy.types.Mesh, count: int) -> np.ndarray:
-    """(count,): the ratio of a mesh's faces that have each slot."""
+    """The share of a mesh's faces that use each of `count` material slots: (count,), sum 1."""
     index = mesh.attributes.get("material_index") if count > 1 else None
     faces = array(index.data, "value", (len(index.data),), np.int32) if index else np.zeros(1, np.int32)
     return np.bincount(np.clip(faces, 0, count - 1), minlength=count) / max(len(faces), 1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Triangles of everything that a picture shows, in world space, from what was read of a scene. No bpy here."""
+"""Assembles the meshes read from a scene to triangles in world space. Does not use bpy."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 FARTHEST = 1e9
 """Meters from the origin beyond which squares of areas leave the range of 32-bit floats."""
 _BATCH = 1_000_000
-"""Vertices of copies of a mesh that are placed at once: bounds the memory for it."""
+"""Most vertices that are transformed at once for copies of a mesh; limits memory."""
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ class PlacedMesh:
     mesh: SourceMesh  # shared by instances
     materials: tuple[str, ...]  # a name for each slot
     matrix: np.ndarray  # (4, 4), to world space
-    owner: tuple[str, str]  # Name, and name of the object that it is an instance of or for, otherwise ""
-    # kinds of rays that pass it, by Blender's names: "camera", "shadow", …
+    owner: tuple[str, str]  # name of the object, and of the object that instances it ("" for none)
+    # kinds of rays that pass through it, by Blender's names: "camera", "shadow", …
     hidden: frozenset[str] = frozenset()
 
 
@@ -51,11 +51,11 @@ class SceneGeometry:
     uvs: np.ndarray  # (F, 3, 2) float32; zeros without a UV map
     material: np.ndarray  # (F,) int32, number in `materials`
     object: np.ndarray  # (F,) int32, number in `objects`
-    materials: list[str]  # Names; "" for faces without one
-    # (name, name of the object that it is an instance of or for, otherwise "")
+    materials: list[str]  # names; "" for faces without a material
+    # (name, name of the object that instances it, "" for none)
     objects: list[tuple[str, str]]
     boxes: np.ndarray  # (N, 2, 3), the least and the greatest corner of each object
-    hidden: list[frozenset[str]]  # for each object the kinds of rays that pass it
+    hidden: list[frozenset[str]]  # for each object, the kinds of rays that pass through it
     warnings: list[str]  # notes about what was left out, in words for the artist
 
     @property
@@ -65,7 +65,7 @@ class SceneGeometry:
 
 
 def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
-    """Puts all triangles in world space, without those of slots that show no surface; passes the warnings on."""
+    """The triangles of all placed meshes in world space, without those of slots that show no surface; adds to the warnings."""
     copies: dict[int, list[int]] = {}
     for number, thing in enumerate(things):
         copies.setdefault(id(thing.mesh), []).append(number)
@@ -79,7 +79,7 @@ def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
     hidden: list[frozenset[str]] = []
     shapes = ((0, 3), (0, 3), (0, 3, 3), (0, 3, 2), (0,), (0,))
     kinds = (np.float32, np.int32, np.float32, np.float32, np.int32, np.int32)
-    parts = [tuple(map(np.zeros, shapes, kinds))]  # so that there is one also of nothing
+    parts = [tuple(map(np.zeros, shapes, kinds))]  # so that concatenation works without meshes
     count = 0
     # Number materials and objects in the order of the placed meshes; the box of an object grows by each of its meshes.
     for number in sorted(pieces):
@@ -120,7 +120,7 @@ class _Piece:
 
 
 def _pieces(copies: list[PlacedMesh]) -> Iterator[_Piece]:
-    """The placed copies of one mesh. Many at once: a tree has thousands of leaves."""
+    """The placed copies of one mesh. Many are transformed at once, because a tree may have thousands of leaves."""
     mesh = copies[0].mesh
     solid = mesh.solid[mesh.slot]
     corners, slot = mesh.triangles[solid], mesh.slot[solid]
@@ -136,7 +136,7 @@ def _pieces(copies: list[PlacedMesh]) -> Iterator[_Piece]:
         matrices = np.stack([copy.matrix for copy in copies[first : first + step]])
         mirrored = np.linalg.det(matrices[:, :3, :3]) < 0
         vertices, normals = _place(mesh.vertices, own_normals, matrices, np.where(mirrored, -1.0, 1.0))
-        x, y, z = np.moveaxis(np.abs(vertices) < FARTHEST, -1, 0)  # also false for what is not a number
+        x, y, z = np.moveaxis(np.abs(vertices) < FARTHEST, -1, 0)  # also false for NaN
         usable = x & y & z
         vertices[~usable] = 0.0
         points = vertices[:, faces]
@@ -182,8 +182,8 @@ def _place(
     with np.errstate(invalid="ignore", over="ignore"):
         placed = vertices @ linear.transpose(0, 2, 1) + matrices[:, None, :3, 3]
         places = placed.astype(np.float32)
-    # Normals go with the inverse transpose; the cofactor matrix is that times the determinant, and
-    # flattened objects have one too.
+    # Normals transform by the inverse transpose. The cofactor matrix is the inverse transpose times the
+    # determinant, and exists for flattened objects too.
     a, b, c = linear.transpose(1, 0, 2)
     cofactor = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
     normals = normals @ (cofactor.transpose(0, 2, 1) * sign[:, None, None])[:, None]

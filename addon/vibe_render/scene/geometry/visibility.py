@@ -13,15 +13,15 @@ from mathutils.bvhtree import BVHTree
 from ...core.rendered import FILM
 from .triangles import SceneGeometry
 
-RAYS = 48  # along each side of the picture
-_SLACK = 1e-3  # of a step between rays: what rounding may move a corner
+RAYS = 48  # along each side of the image
+_SLACK = 1e-3  # in steps between rays: how far rounding may move a corner
 
 
 @dataclass(frozen=True)
 class RayCamera:
-    """All of a camera that rays through its picture depend on; holds no reference into Blender's data."""
+    """The values of a camera that its rays depend on, copied from Blender's data."""
 
-    frame: np.ndarray  # (4, 3), the corners of its picture, camera space
+    frame: np.ndarray  # (4, 3), the corners of its image, camera space
     pose: np.ndarray  # (4, 4), to world space, without scale
     flat: bool  # whether it is orthographic
     clip: tuple[float, float]  # nearest and farthest depth that it sees, meters
@@ -29,7 +29,7 @@ class RayCamera:
 
 @dataclass(frozen=True)
 class VisibleSurfaces:
-    """The surface that each of R x R rays meets (R = `RAYS`); row 0 is the bottom of the picture."""
+    """The surface that each of R x R rays meets (R = `RAYS`); row 0 is the bottom of the image."""
 
     object: np.ndarray  # (R, R) int, index into the geometry's objects, -1 for none
     material: np.ndarray  # (R, R) int, index into its materials, -1 for none
@@ -43,7 +43,7 @@ def ray_camera(scene: bpy.types.Scene) -> RayCamera:
 
 
 def visible_surfaces(camera: RayCamera, geometry: SceneGeometry) -> VisibleSurfaces:
-    """Casts the camera's rays; reads nothing of Blender's data. All -1 for an empty geometry."""
+    """Casts the camera's rays at triangles; does not read Blender's data. All -1 for an empty geometry."""
     hits = np.full((RAYS, RAYS), -1)
     if len(geometry.faces):
         near = np.flatnonzero(_may_meet(camera, geometry) & geometry.seen)
@@ -59,13 +59,13 @@ def visible_surfaces(camera: RayCamera, geometry: SceneGeometry) -> VisibleSurfa
             face = tree.ray_cast(start, toward, slant * (last - first))[2]
             hits[index] = -1 if face is None else near[face]
         holdout = np.array([FILM in rays for rays in geometry.hidden], bool)[geometry.object]
-        hits[holdout[hits]] = -1  # what was -1 stays so
+        hits[holdout[hits]] = -1  # -1 indexes the last face, but stays -1
     owner, material = (np.append(a, -1)[hits] for a in (geometry.object, geometry.material))
     return VisibleSurfaces(owner, material)
 
 
 def _may_meet(camera: RayCamera, geometry: SceneGeometry) -> np.ndarray:
-    """(F,) bool: triangles that a ray may meet. Most of a fine mesh lies between the rays: without it, the tree is cheap."""
+    """(F,) bool: triangles that a ray may meet. A fine mesh lies mostly between the rays; leaving that out makes a small tree."""
     low, high = camera.frame[:, :2].min(0), camera.frame[:, :2].max(0)
     pose = np.linalg.inv(camera.pose)
     points = geometry.vertices @ pose[:3, :3].T + pose[:3, 3]
@@ -80,7 +80,7 @@ def _may_meet(camera: RayCamera, geometry: SceneGeometry) -> np.ndarray:
 
 
 def camera_rays(camera: RayCamera, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Origins and directions, (count, count, 3) each, of rays through the picture; row 0 is the bottom."""
+    """Origins and directions in world space, (count, count, 3) each, of rays through the image; row 0 is the bottom."""
     low, high = camera.frame.min(0), camera.frame.max(0)
     u = (np.arange(count) + 0.5) / count
     x, y = np.meshgrid(low[0] + u * (high[0] - low[0]), low[1] + u * (high[1] - low[1]))

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node trees: where a value really is, and the node groups that Vibe Render adds."""
+"""Node trees: finds the socket that holds a value, and builds the node groups that Vibe Render adds."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Backgrounds of a world. The camera may see some and get light from others: "backdrop" and "light" parts."""
+"""The Background nodes of a world: those that light the scene (the part "light") and those only seen ("backdrop")."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from .trails import NodeEntry, NodeInGroups, active_links, resolve, search
 
 LIGHT, BACKDROP = "light", "backdrop"
 _ROTATION = "Vibe Rotation"
-_LEFT = 200.0  # from a node of ours to the next
+_LEFT = 200.0  # from an added node to the next
 HORIZON_KEY = "world/backdrop_horizon"
 WORLD_OF_BACKDROP = {f"world/backdrop_{name}": f"world/{name}" for name in ("color", "tint", "strength")} | {
     HORIZON_KEY: ""
 }
-"""The parameters of a backdrop, and those of the world that it starts from; a new backdrop has no horizon."""
+"""Parameter of a backdrop -> the world's parameter that it starts from; "" for the horizon, which starts untinted."""
 NO_HORIZON = (1.0, 1.0, 1.0)
-_HIGHEST = 0.6  # height of the horizon in the image, of 1, from which the camera looks down on what has none
+_HIGHEST = 0.6  # height of the horizon in the image, 0 to 1, from which the camera counts as looking down
 
 
 def has_backdrop(world: World) -> bool:
@@ -38,9 +38,9 @@ def has_backdrop(world: World) -> bool:
 
 
 def mixed_backgrounds(world: World, part: str = LIGHT) -> list[Layer]:
-    """The Backgrounds that a part of a world's surface is mixed of; none where it is a single, plain one.
+    """The Backgrounds that a part of a world's surface is mixed from; empty for a single, plain one.
 
-    One whose strength nodes compute, or whose color depends on the kind of ray, counts as a mix.
+    A single Background counts as a mix if nodes compute its strength, or if its color depends on the kind of ray.
     """
     found = layers_of_part(world, part)
     return found if len(found) > 1 or any(_is_mix(layer) for layer in found) else []
@@ -53,14 +53,14 @@ def single_background(world: World, part: str = LIGHT) -> NodeInGroups | None:
 
 
 def mixed_entries(world: World, part: str, name: str) -> list[NodeEntry]:
-    """An input of each of a part's mixed Backgrounds; those whose value has one origin once."""
+    """An input of each of a part's mixed Backgrounds, one for each origin of the values."""
     layers = mixed_backgrounds(world, part)
     alike = tuple(s for layer in layers if (s := layer.shader.input(name)))
     return trails.distinct(layer.shader.entry(name, alike) for layer in layers)
 
 
 def shares_picture(world: World) -> bool:
-    """True if backdrop and light have their colors from the same output: one texture."""
+    """True if backdrop and light get their colors from the same node output, such as one texture."""
     parts = [single_background(world, part) for part in (LIGHT, BACKDROP)]
     colors = [background.entry("Color") for background in parts if background]
     sources = [artists_origin(color).source for color in colors if color]
@@ -68,7 +68,7 @@ def shares_picture(world: World) -> bool:
 
 
 def _is_mix(layer: Layer) -> bool:
-    """True if a Background is more than a color and a strength."""
+    """True if a Background counts as mixed: a computed strength, a color by kind of ray, or a share in a Mix Shader."""
     color, strength = layer.shader.entry("Color"), layer.shader.entry("Strength")
     computed = strength is not None and artists_origin(strength).source is not None
     return (
@@ -92,13 +92,13 @@ def layers_of_part(world: World, part: str) -> list[Layer]:
 
 
 def _seen_by_camera(layer: Layer) -> bool | None:
-    """True if a Background is for camera rays alone, False for all others, None for both."""
+    """True if a Background is for camera rays alone, False if for all other rays, None if for both."""
     ways = [side.second for side in layer.sides if not _weighs(side)]
     return ways[0] if ways else None
 
 
 def _weighs(side: MixSide) -> bool:
-    """True if a side of a Mix Shader is a share, and not one kind of rays."""
+    """True if the factor of a Mix Shader is a weight, and not the Is Camera Ray output."""
     source = resolve(side.factor).source
     return not (source and source.node.type == "LIGHT_PATH" and source.name == "Is Camera Ray")
 
@@ -123,7 +123,7 @@ def is_only_turned(world: World) -> bool:
 
 
 def _ways(texture: NodeInGroups) -> list[NodeInGroups]:
-    """The nodes that a texture's direction passes, backwards, without the Texture Coordinate that it comes from."""
+    """The nodes that make a texture's direction, from the texture back; without a Texture Coordinate at its start."""
     found: list[NodeInGroups] = []
     socket, inside = texture.node.inputs["Vector"], texture.inside
     while before := trails.source_output(socket, inside):
@@ -138,7 +138,7 @@ def _ways(texture: NodeInGroups) -> list[NodeInGroups]:
 
 
 def rotation_slot(world: World) -> ValueSlot | None:
-    """The rotation of a world's environment texture: of the Mapping node that looks it up, or of one of ours before all others."""
+    """The rotation of a world's environment texture: of the Mapping node where its direction begins, or of an added one."""
     texture = environment(world)
     if not texture:
         return None
@@ -197,8 +197,8 @@ def rotation_slot(world: World) -> ValueSlot | None:
 def horizon_height(scene: Scene, world: World | None) -> float:
     """Height of a world's horizon in the image: 0 at the bottom, 1 at the top, less than 0 below it.
 
-    A backdrop that has one keeps it. Otherwise it is that of the scene's camera. A camera without perspective, or one that
-    looks down, has none: the backdrop fades from the bottom.
+    A backdrop with a Vibe Horizon keeps its height. Otherwise the scene's camera gives it, but for a camera that looks
+    down or has no perspective, it is 0: the backdrop fades from the bottom.
     """
     seen = single_background(world, BACKDROP) if world else None
     color = seen.entry("Color") if seen else None
@@ -217,7 +217,7 @@ def horizon_height(scene: Scene, world: World | None) -> float:
 
 
 def _add_backdrop(journal: Journal, world: World) -> None:
-    """Gives a world that allows it a Background for the camera alone, equal to the one that lights but without our insets."""
+    """Adds a Background for camera rays alone, which equals the one that lights, without the insets in front of it."""
     single = single_background(world)
     tree = compat.node_tree(world)
     assert single
@@ -255,7 +255,7 @@ def offered_backdrop(
     """The parameters that a backdrop would have; none where the world cannot have one, or is partly locked."""
     output = compat.output_node(world)
     single = single_background(world) if world else None
-    # It has to be one plain Background, in its own tree, that both lights and is seen.
+    # The world has to have one plain Background, not in a group, that both lights and is seen.
     if output is None or single is None or has_backdrop(world):
         return {}
     if single.inside or not active_links(output.inputs["Surface"]):
@@ -277,7 +277,7 @@ def with_backdrop(
 ) -> dict[str, Sequence[float]]:
     """Adds a backdrop if values (by key) make it differ from the world; returns the values to write.
 
-    These are without those of a backdrop that equals the world, and with all of a new one.
+    The result has no values of a backdrop that would equal the world, and all values of an added one.
     """
     offer = offered_backdrop(world, instances)
     named = [key for key in values if key in offer]

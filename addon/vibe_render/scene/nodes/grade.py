@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vibe Grade: an owned compositor group before the output of the artist's own compositing.
+"""Vibe Grade: a compositor group that Vibe Render adds between the artist's own compositing and its output.
 
 In order, on linear colors c: bloom; c·2^Exposure; lift, midtone, gain; contrast around
 middle gray, 0.18·(c/0.18)^Contrast; saturation around Rec.709 luma; hue; c^Gamma; vignette. The engine
@@ -58,7 +58,7 @@ def grade_slot(scene: Scene, name: str) -> LazySlot:
 
 
 def cut_off(tree: NodeTree | None) -> bool:
-    """True if no picture reaches the output of a compositor, so that every render is black."""
+    """True if no image reaches the output of a compositor, so that every render is black."""
     if tree is None:
         return False
     target = compat.compositor_output(tree)
@@ -66,7 +66,7 @@ def cut_off(tree: NodeTree | None) -> bool:
 
 
 def insert_grade(journal: Journal, scene: Scene) -> Node:
-    """Puts the grade before the output; makes the compositing of a scene that has none."""
+    """Adds the grade in front of the output; a scene without compositing gets a compositor tree first."""
     tree = compat.compositor(scene) or compat.start_compositor(journal, scene)
     tree = compat.own_compositor(journal, scene, tree)
     target = compat.compositor_output(tree)
@@ -101,8 +101,8 @@ def _fill(tree: NodeTree) -> None:
     for identifier, setting in BLOOM.items():
         next(s for s in glare.inputs if s.identifier == identifier).default_value = setting
     color = exposed(glare.outputs["Image"], exposure)
-    # max(((c − 1)·(2 − lift) + 1)·gain, 0) ^ (1 / midtone): the Color Balance node of Blender 5. Built of Vector Math nodes,
-    # for in Blender 4 that node does the same on the sRGB curve.
+    # max(((c − 1)·(2 − lift) + 1)·gain, 0) ^ (1 / midtone): the Color Balance node of Blender 5. Built from Vector Math
+    # nodes, because the Color Balance node of Blender 4 applies the formula to sRGB-encoded values.
     below_white = build.vector("SUBTRACT", color, white)
     lifted = build.vector("MULTIPLY_ADD", below_white, build.vector("SUBTRACT", two, lift), white)
     gained = build.vector("MAXIMUM", build.vector("MULTIPLY", lifted, gain), black)

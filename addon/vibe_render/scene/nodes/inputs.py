@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Value slots of node inputs, and insets: owned node groups that change what an input gets on its way."""
+"""Value slots of node inputs, and insets: added node groups in front of an input, which change the value that it gets."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from . import owned
 from .trails import NodeEntry, ValueOrigin, active_links, resolve
 
 FindEntry = Callable[[], NodeEntry | None]
-"""Finds an input anew: copies of groups have other nodes than the groups."""
+"""Finds an input anew each time: once a group is copied, the input is on a node of the copy."""
 
 _VALUE = "Vibe Value"
 _WHITE = (1.0, 1.0, 1.0)
@@ -26,7 +26,7 @@ _WHITE = (1.0, 1.0, 1.0)
 
 @dataclass
 class _InputSlot:
-    """Value slot: an input whose value others use too, so that it gets one of its own when it changes."""
+    """Value slot: an input that shares its value with others, and gets a value of its own when it is written."""
 
     find: FindEntry
     locked: str
@@ -45,8 +45,8 @@ class _InputSlot:
             return
         own_groups(journal, self._origin().inside)
         origin = self._origin()
-        # A node of our own between a Value or RGB node and the inputs that mean the same. An artist would drag the node
-        # itself only if all that it feeds were to change: the roughness of one shader must not change the bump of another.
+        # A Value or RGB node may feed inputs of other meanings: the roughness of one shader, the bump of another. So the
+        # inputs with the same meaning get a Vibe Value node instead, which starts with the same value.
         if origin.feeds_others:
             tree, node = origin.socket.id_data, origin.socket.node
             twin = journal.node(tree, node.bl_idname, _VALUE)
@@ -59,7 +59,7 @@ class _InputSlot:
 
 
 def input_slot(find: FindEntry, tinted: bool = False) -> ValueSlot | None:
-    """The slot of an input's value, where an artist would drag it; None if there is none, or a tint instead."""
+    """The slot of an input's value, at its origin; None without an input, or if it is `tinted` and nodes compute it."""
     entry = find()
     if entry is None:
         return None
@@ -80,7 +80,7 @@ def own_groups(journal: Journal, inside: tuple[Node, ...]) -> None:
     """Gives a material copies of node groups that it shares; `inside` are the group nodes from its tree inwards."""
     tree: NodeTree | None = None
     for group in inside:
-        # In the copy, if the group around it has just been copied.
+        # If the group around it has been copied, take the node in the copy.
         node = tree.nodes[group.name] if tree else group
         if _is_shared(node):
             journal.set(node, "node_tree", journal.copy("node_groups", node.node_tree))
@@ -89,18 +89,19 @@ def own_groups(journal: Journal, inside: tuple[Node, ...]) -> None:
 
 @dataclass(frozen=True)
 class Inset:
-    """A kind of inset. Its group's first input takes what comes in, its only output gives what goes on."""
+    """A kind of inset. Its group takes the original value at its first input, and gives the changed one at its only output."""
 
     name: str  # of the group
     inputs: owned.GroupInputs
-    result: Callable[..., NodeSocket]  # what goes on, from a builder and the inputs
+    result: Callable[..., NodeSocket]  # builds the output, from a builder and the inputs
 
     def slot(
         self, find: FindEntry, name: str, plain: bool = False, settings: Mapping[str, float] | None = None
     ) -> ValueSlot | None:
-        """An input of the inset on an input; None without such an input, or if its value is not computed.
+        """The slot of an input of the inset in front of the input that `find` returns; None if nodes do not compute that.
 
-        With `plain`, a value that is not computed has one too: of several that are mixed.
+        With `plain`, a constant value has an inset too, such as one of several mixed colors. `settings` are values of
+        the inset's other inputs.
         """
         entry = find()
         if entry is None:
@@ -131,7 +132,7 @@ class Inset:
         return source.node if source and _inset_name(source.node) == self.name else None
 
     def _insert(self, journal: Journal, origin: ValueOrigin, settings: Mapping[str, float]) -> Node:
-        """Puts it before all inputs that mean the same; what else gets the value keeps it as it is."""
+        """Adds an inset in front of all inputs of the same meaning; other inputs of the same source keep its value."""
         socket = origin.socket
         targets = origin.targets or (socket,)
         node = owned.group_node(journal, socket.id_data, self.name, self._fill, targets[0].node)
@@ -168,7 +169,7 @@ def neutralize(tree: NodeTree, kinds: Sequence[Inset]) -> None:
 
 
 def artists_origin(entry: NodeEntry) -> ValueOrigin:
-    """The origin of an input's value as the artist built it, before any inset of ours."""
+    """The origin of an input's value as the artist built it, before an inset changes the value."""
     origin = resolve(entry)
     if origin.source is None or not _inset_name(origin.source.node):
         return origin
@@ -178,12 +179,14 @@ def artists_origin(entry: NodeEntry) -> ValueOrigin:
 
 
 def _tinted(build: owned.Builder, color: NodeSocket, tint: NodeSocket, recolor: NodeSocket) -> NodeSocket:
+    """(color + Recolor · (luma − color)) · Tint."""
     luma = build.vector("DOT_PRODUCT", color, LUMA)
     gray = build.vector("SCALE", build.vector("SUBTRACT", luma, color), scale=recolor)
     return build.vector("MULTIPLY", build.vector("ADD", color, gray), tint)
 
 
 def _faded(build: owned.Builder, color: NodeSocket, horizon: NodeSocket, height: NodeSocket) -> NodeSocket:
+    """The color, multiplied by a tint that is full at the horizon's height and fades toward the top of the image."""
     window = build.node("ShaderNodeTexCoord").outputs["Window"]
     place = build.node("ShaderNodeSeparateXYZ", Vector=window).outputs["Y"]
     rise = build.math("SUBTRACT", place, height), build.math("SUBTRACT", 1.0, height)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shaders that a surface is mixed of, how much each makes of what the eye sees, and which of them has a value."""
+"""The shaders that a surface is mixed from: how visible each is, and which of them holds a value."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ _SHOWS = {
     "ShaderNodeBsdfSheen": 0.3,
     EMISSION: 0.5,
 }
-"""The visible part of a shader's own color, of a matte one's: coats and glass show what is around them."""
+"""How visible a shader's own color is, relative to a matte shader: coats and glass show what is around them."""
 _GRAZING = {"Fresnel": 0.1, "Facing": 0.3}
-"""The mean share of the second shader where a Fresnel or Layer Weight node mixes: little but at the edges."""
-_PART = 0.3  # of the most prominent shader: what makes less is an accent, not a part of the body's color
+"""The mean share of a mix's second shader where the factor is a Fresnel or Layer Weight output, high only at edges."""
+_PART = 0.3  # relative to the most prominent shader's share: a shader below it is an accent, no part of the body's color
 _COMPUTED_COLOR, _COMPUTED_STRENGTH = 0.5, 1.0  # assumed for emission that nodes compute
 
 
 @dataclass(frozen=True)
 class MixSide:
-    """A side of a Mix Shader: its factor, and whether it is the side that the factor is the weight of."""
+    """One side of a Mix Shader: the factor, and whether this is the second side, whose weight is the factor."""
 
     factor: NodeEntry
     second: bool
@@ -47,7 +47,7 @@ class MixSide:
 
     @property
     def share(self) -> float:
-        """The side's weight: exact where it is one number, otherwise a usual one."""
+        """The side's weight: exact if the factor is a constant number, otherwise a typical value."""
         origin = resolve(self.factor)
         if origin.source is None:
             factor = min(max(float(origin.socket.default_value), 0.0), 1.0)
@@ -74,24 +74,24 @@ class Layer:
 
     @property
     def share(self) -> float:
-        """About the part of the surface that it makes, in [0, 1]."""
+        """The approximate weight of the shader in the surface, in [0, 1]."""
         return prod(side.share for side in self.sides)
 
     @property
     def prominence(self) -> float:
-        """About the part of the visible color that is its own. Nothing that a vibe changes counts: the choice has to stay."""
+        """The approximate weight of the shader's own color in the visible color; no value that a vibe changes affects it."""
         return self.share * _SHOWS.get(self.kind, 1.0)
 
     @property
     def matter(self) -> str:
-        """The kind of matter: layers of the same kind can share the color of a body."""
+        """The kind of matter. Layers of the same kind can together make the color of a body."""
         if self.kind in _REFLECTIVE:
             return "metal"
         return "glass" if self.kind in _CLEAR else "light" if self.kind == EMISSION else "matte"
 
 
 def layers(material: Material) -> list[Layer]:
-    """All shaders behind the Surface of the output that Cycles takes, transparent ones included."""
+    """All shaders behind the Surface of the output node that Cycles uses, transparent ones included."""
     output = compat.output_node(material)
     return list(behind(output.inputs["Surface"])) if output else []
 
@@ -116,17 +116,17 @@ def behind(
 
 
 def by_prominence(material: Material) -> list[Layer]:
-    """The shaders that show, the most prominent first; of equal ones, the first on the way from the output."""
+    """The visible shaders, the most prominent first; equal ones in the order from the output."""
     shown = [layer for layer in layers(material) if layer.kind != TRANSPARENT]
     visible = [layer for layer in shown if layer.share > 0.0]
     return sorted(visible or shown, key=lambda layer: -layer.prominence)
 
 
 def entry(material: Material, name: str) -> NodeEntry | None:
-    """The input, named as by the Principled BSDF, where an artist would drag a value of a surface.
+    """The input that holds a value of a surface, by its name on the Principled BSDF; None without one.
 
-    It is that of the most prominent shader that has it: the roughness of a Diffuse BSDF with a coat is the coat's. The glow is
-    that of an Emission node, if there is one.
+    It is the input of the most prominent shader that has it. So the roughness of a Diffuse BSDF with a glossy coat is the
+    coat's. Emission is that of an Emission node, if there is one.
     """
     shown = by_prominence(material)
     if name.startswith("Emission"):
@@ -139,7 +139,7 @@ def entry(material: Material, name: str) -> NodeEntry | None:
 
 
 def body(material: Material) -> list[Layer]:
-    """The shaders whose colors together are the color of the material: the most prominent one, and its like."""
+    """The shaders that make the color of the material: the most prominent one, and others of its matter (`_PART`)."""
     shown = [layer for layer in by_prominence(material) if layer.shader.input("Base Color")]
     if not shown:
         return []
@@ -148,7 +148,7 @@ def body(material: Material) -> list[Layer]:
 
 
 def colors(material: Material) -> list[NodeEntry]:
-    """The inputs that hold the color of a material, those with one origin once; several for mixes of the same matter."""
+    """The inputs that hold the color of a material, one for each origin; several for mixes of the same matter."""
     first = entry(material, "Base Color")
     if first is None:
         return []
@@ -156,12 +156,12 @@ def colors(material: Material) -> list[NodeEntry]:
 
 
 def glossy_layer(every: list[Layer], base: Layer) -> Layer | None:
-    """Of a material's shaders, the glossy one that is mixed with the one that has the color."""
+    """The reflective shader among `every` that is mixed with `base`, the shader with the color; None without one."""
     return next((x for x in every if x.matter == "metal" and x != base and x.sides), None)
 
 
 def lacquer_over(every: list[Layer], base: Layer) -> Layer | None:
-    """Of a material's shaders, the lacquer over a metal that has the color; None over anything else."""
+    """The lacquer over a metal `base`: a reflective shader, mixed by Fresnel or Layer Weight; None without one."""
     over = glossy_layer(every, base) if base.matter == "metal" else None
     return over if over and over.sides[-1].grazing else None
 
@@ -174,7 +174,7 @@ def lacquer_entry(material: Material, name: str) -> NodeEntry | None:
 
 
 def emitted_radiance(material: Material) -> float:
-    """About the radiance that a material's surface emits, its strongest component; 0 if it does not."""
+    """The approximate radiance that a material's surface emits, of its strongest color component; 0 if it emits none."""
     total = 0.0
     for layer in layers(material):
         color, strength = layer.shader.entry("Emission Color"), layer.shader.entry("Emission Strength")

@@ -19,7 +19,7 @@ def kelvin(light: Light) -> NodeEntry | None:
 
 
 def factor(light: Light) -> tuple[float, float, float] | None:
-    """The color that a light's nodes multiply its color by, without a Blackbody's temperature; None for other effects."""
+    """The color that a light's nodes multiply its color by, without a Blackbody's; None if the nodes do anything else."""
     if compat.node_tree(light) is None:
         return 1.0, 1.0, 1.0
     color, strength = _origin(light, "Color"), _origin(light, "Strength")
@@ -28,7 +28,7 @@ def factor(light: Light) -> tuple[float, float, float] | None:
     if color.source and not kelvin(light):
         return None
     if strength.source:
-        # Light Falloff passes a strength on, if that falls off as light does.
+        # The quadratic output of a Light Falloff without smoothing passes its strength on unchanged.
         node = strength.source.node
         if node.bl_idname != "ShaderNodeLightFalloff" or strength.source.name != "Quadratic":
             return None
@@ -42,7 +42,7 @@ def factor(light: Light) -> tuple[float, float, float] | None:
 
 
 def whiten(light: Light) -> None:
-    """Takes the color of a Blackbody node from a light of ours."""
+    """Replaces the color from a Blackbody node by white; changes the light, so it has to be a copy."""
     given = _emission(light)
     if given and not given[1] and kelvin(light):  # not in a group, which others may use
         socket = given[0].node.inputs["Color"]
@@ -51,7 +51,7 @@ def whiten(light: Light) -> None:
 
 
 def flatten(light: Light) -> None:
-    """Lets a light of ours shine as if it had no nodes."""
+    """Makes a light shine as if it had no nodes; changes the light, so it has to be a copy."""
     tree = compat.node_tree(light)
     assert tree
     plain = tree.nodes.new("ShaderNodeEmission")

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vibe Light Mix: an owned compositor group behind Render Layers. It multiplies the passes of light groups, and adds them up.
+"""Vibe Light Mix: a compositor group, added after Render Layers, that multiplies the passes of light groups by colors.
 
-The image plus each pass times (color - 1): what no color changes stays as it was rendered.
+It adds (color - 1) times each pass to the image, so that light groups with the color white stay as rendered.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _WHITE, _BLACK = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
 
 
 def insert_mix(journal: Journal, scene: Scene, colors: Mapping[str, Color]) -> None:
-    """Puts the mix behind the Render Layers node, or gives the one there new colors, by light group.
+    """Adds the mix after the Render Layers node, or gives an existing mix new colors; `colors` are by light group.
 
     Raises:
         VibeError: The compositor does not use the image of the first rendered view layer.
@@ -59,7 +59,7 @@ def insert_mix(journal: Journal, scene: Scene, colors: Mapping[str, Color]) -> N
 
 
 def read_mix(scene: Scene) -> dict[str, Color]:
-    """By light group, what the mix of a scene multiplies its light by; nothing without one that is switched on."""
+    """Light group -> color that the scene's mix multiplies its pass by; empty without a mix that is switched on."""
     found = {}
     for node in owned.group_nodes(compat.compositor(scene), NAME):
         for entry in node.inputs if not node.mute else ():
@@ -84,7 +84,7 @@ def mute_mix(journal: Journal, scene: Scene) -> None:
 
 
 def denoise_node(tree: NodeTree) -> Node:
-    """A node that takes the noise of a pass away."""
+    """Adds a node that denoises a pass."""
     node = tree.nodes.new("CompositorNodeDenoise")
     compat.set_option(node, "prefilter", "Prefilter", "FAST", "Fast")
     return node
@@ -113,7 +113,7 @@ def _declare(tree: NodeTree) -> None:
 
 
 def _fill(tree: NodeTree, denoised: bool) -> None:
-    """Builds the inside of the group anew for all the inputs that it has."""
+    """Rebuilds the nodes inside the group for all inputs that it has."""
     tree.nodes.clear()
     build = owned.Builder(tree)
     image, albedo, normal = build.inputs("Image", *GUIDES)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Additions to a scene: marked, named and colored, so that artists know them and we find them again."""
+"""Additions to a scene: named, colored and marked, so that artists and Vibe Render recognize them."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ FOG = "Vibe Fog"
 CARD = schema.added_lights.CARD
 COLOR = (0.32, 0.22, 0.46)
 GroupInputs = Mapping[str, tuple]
-"""Inputs of a group by name: the value that changes nothing, of a color without alpha, and the bounds of a number."""
+"""Inputs of a group by name: the value that changes nothing (a color as RGB) and, for a number, its bounds."""
 
 
 def is_unseen(obj: Object) -> bool:
-    """True if an object of ours has no surface that a picture shows: a fog box, a card before a light."""
+    """True for Vibe Render's fog box and for the cards in front of lights, whose surfaces no image shows."""
     return obj.get(MARK) in (FOG, CARD)
 
 
 def new(journal: Journal, collection: str, name: str, *kind: Any, role: str = "") -> Any:
-    """Adds a data-block as `Journal.new` does, marked as ours for a role, which is its name by default."""
+    """Adds a data-block as `Journal.new` does, marked as Vibe Render's with a role, by default its name."""
     block = journal.new(collection, name, *kind)
     block[MARK] = role or name
     return block
 
 
 def find_owned(blocks: Iterable[ID], role: str) -> Any:
-    """The data-block that we have made for a role; None if there is none."""
+    """The data-block that Vibe Render has made for a role; None if there is none."""
     return next((b for b in blocks if b.get(MARK) == role and b.library is None), None)
 
 
 def owned_group(journal: Journal, name: str, kind: str, fill: Callable[[NodeTree], None]) -> NodeTree:
-    """Our node group of a name; a new one is filled."""
+    """Vibe Render's node group of a name; makes it and calls `fill` if it is missing."""
     tree = find_owned(bpy.data.node_groups, name)
     if tree is None:
         tree = new(journal, "node_groups", name, kind)
@@ -66,7 +66,7 @@ def declare(tree: NodeTree, inputs: GroupInputs, output: str, kind: str = "NodeS
 def group_node(
     journal: Journal, tree: NodeTree, name: str, fill: Callable[[NodeTree], None], neighbor: Node
 ) -> Node:
-    """Adds a node for our group of a name (see `owned_group`) to the left of another node, in a frame."""
+    """Adds a node for Vibe Render's group of a name (see `owned_group`) to the left of another node, in a frame."""
     kind = {"ShaderNodeTree": "ShaderNodeGroup", "CompositorNodeTree": "CompositorNodeGroup"}[tree.bl_idname]
     inner = owned_group(journal, name, tree.bl_idname, fill)
     node = journal.node(tree, kind, inner.name)
@@ -76,7 +76,7 @@ def group_node(
 
 
 def dress(journal: Journal, tree: NodeTree, node: Node, neighbor: Node) -> None:
-    """Colors a node of ours and frames it, to the left of another one."""
+    """Colors and frames an added node, and places it to the left of another one."""
     node.label, node.use_custom_color, node.color = node.name, True, COLOR
     frame = journal.node(tree, "NodeFrame", "Vibe Render")
     frame.label, frame.use_custom_color, frame.color = "Vibe Render", True, COLOR
@@ -85,13 +85,13 @@ def dress(journal: Journal, tree: NodeTree, node: Node, neighbor: Node) -> None:
 
 
 def group_nodes(tree: NodeTree | None, name: str) -> list[Node]:
-    """The nodes of a tree that use our group of a name."""
+    """The nodes of a tree that use Vibe Render's group of a name."""
     nodes = tree.nodes if tree else ()
     return [n for n in nodes if n.type == "GROUP" and n.node_tree and n.node_tree.get(MARK) == name]
 
 
 class Builder:
-    """Fills a node group of ours, from left to right."""
+    """Fills a node group with nodes, from left to right."""
 
     def __init__(self, tree: NodeTree) -> None:
         self.tree = tree

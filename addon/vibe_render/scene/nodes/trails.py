@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node trees of the artist: follows links through reroutes and groups, and finds the nodes that shade."""
+"""The artist's node trees: follows links through reroutes and groups, and finds nodes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FOREIGN = {
     "ShaderNodeEeveeSpecular": "Cycles does not know",
     "ShaderNodeScript": "only Cycles with Open Shading Language knows",
 }
-"""Nodes that a render on a CPU takes for absent, and what to say of them."""
+"""Type of a node that a Cycles render on the CPU ignores -> the reason, for messages."""
 
 ALIASES: dict[str, dict[str, str]] = {
     "ShaderNodeBsdfPrincipled": {},
@@ -34,8 +34,8 @@ ALIASES: dict[str, dict[str, str]] = {
     "ShaderNodeBsdfRefraction": {"Base Color": "Color"},
     "ShaderNodeEmission": {"Emission Color": "Color", "Emission Strength": "Strength"},
 }
-"""Surface shaders that can be worked with, and what they call the inputs of the Principled BSDF."""
-# Oren-Nayar's roughness is another thing, and so are those of fabric, hair and cartoons.
+"""Supported surface shader -> input of the Principled BSDF -> the shader's own name for it, where that differs."""
+# Inputs with a Principled name and another meaning: the roughness of Oren-Nayar and sheen, several of hair.
 _UNLIKE = {
     "ShaderNodeBsdfDiffuse": {"Roughness"},
     "ShaderNodeBsdfSheen": {"Roughness"},
@@ -49,18 +49,18 @@ class NodeEntry:
 
     socket: NodeSocket
     inside: tuple[Node, ...] = ()  # the group nodes that lead to its node, from the outermost tree inwards
-    # inputs that mean the same for the picture: the colors of shaders that are mixed
+    # inputs that have the same meaning, such as the colors of shaders that are mixed
     alike: tuple[NodeSocket, ...] = ()
 
 
 @dataclass(frozen=True)
 class ValueOrigin:
-    """The origin of an input's value."""
+    """The place where the value of an input is stored or computed."""
 
     socket: NodeSocket  # the socket that holds the value; of a computed one, the input where the trail ends
     source: NodeSocket | None  # the output that computes the value; None where none does
     inside: tuple[Node, ...]  # the group nodes that lead to `socket` and `source`
-    # of a linked value: the inputs of that tree with the same meaning that it goes to
+    # of a linked value: the inputs with the same meaning that get it, in the tree of its source
     targets: tuple[NodeSocket, ...] = ()
     feeds_others: bool = False  # whether inputs of another meaning get the value too
 
@@ -72,7 +72,7 @@ def active_links(socket: NodeSocket) -> list[NodeLink]:
 
 
 def is_foreign(node: Node) -> bool:
-    """True if a render takes a node for absent."""
+    """True if a render ignores a node."""
     scripts = node.bl_idname == "ShaderNodeScript" and any(s.cycles.shading_system for s in bpy.data.scenes)
     return node.bl_idname in FOREIGN and not scripts
 
@@ -81,7 +81,7 @@ def resolve(entry: NodeEntry) -> ValueOrigin:
     """Follows an input to where its value is set: a group node's own input, a Value node, an RGB node."""
     socket, inside = entry.socket, entry.inside
     alike = entry.alike or (socket,)
-    last = socket  # the input whose link we follow; `socket` stays before the reroutes of this tree
+    last = socket  # the input whose link is followed; `socket` does not go past the reroutes of this tree
     while links := active_links(last):
         source = links[0].from_socket
         node = source.node
@@ -100,7 +100,7 @@ def resolve(entry: NodeEntry) -> ValueOrigin:
 
 
 def distinct(entries: Iterable[NodeEntry | None]) -> list[NodeEntry]:
-    """Inputs, those whose value has one origin once."""
+    """The inputs; of those whose values have the same origin, only the first."""
     found: dict[NodeSocket, NodeEntry] = {}
     for entry in filter(None, entries):
         origin = resolve(entry)
@@ -147,14 +147,14 @@ def source_output(socket: NodeSocket, inside: tuple[Node, ...]) -> tuple[NodeSoc
 
 
 def group_output(group: Node) -> list[NodeSocket]:
-    """The inputs of the Group Output node that counts."""
+    """The inputs of the active Group Output node of a group."""
     outputs = [n for n in group.node_tree.nodes if n.type == "GROUP_OUTPUT"]
     outputs.sort(key=lambda n: not n.is_active_output)
     return list(outputs[0].inputs) if outputs else []
 
 
 def same_socket(sockets: Sequence[NodeSocket], socket: NodeSocket) -> NodeSocket | None:
-    """The socket of that identifier."""
+    """The one of several sockets that has the identifier of another socket; None without one."""
     return next((s for s in sockets if s.identifier == socket.identifier), None)
 
 
@@ -166,14 +166,14 @@ class NodeInGroups:
     inside: tuple[Node, ...] = ()
 
     def input(self, name: str) -> NodeSocket | None:
-        """The input that has the meaning of an input of the Principled BSDF."""
+        """The input with the meaning of the Principled BSDF's input `name`; None without one."""
         kind = self.node.bl_idname
         if name in _UNLIKE.get(kind, ()):
             return None
         return self.node.inputs.get(ALIASES.get(kind, {}).get(name, name))
 
     def entry(self, name: str, alike: tuple[NodeSocket, ...] = ()) -> NodeEntry | None:
-        """The same input, with the way to it and inputs that mean the same."""
+        """The same as an entry: with the groups around it, and inputs `alike` that have the same meaning."""
         socket = self.input(name)
         return NodeEntry(socket, self.inside, alike) if socket else None
 
@@ -186,7 +186,7 @@ def bumps_normals(material: Material) -> bool:
 
 
 def world_volume(world: World) -> NodeInGroups | None:
-    """The node of the artist's own fog: on the World Output's Volume."""
+    """The volume node of the artist's own fog, behind the World Output's Volume; None without one."""
     output = compat.output_node(world)
     if output is None:
         return None
@@ -206,7 +206,7 @@ def search(entry: NodeEntry, kind: str) -> NodeInGroups | None:
 
 
 def foreign_nodes(material: Material) -> list[Node]:
-    """The nodes of a material, its groups included, that Cycles takes for absent."""
+    """The linked nodes of a material, its groups included, that Cycles ignores."""
     tree, nodes = compat.node_tree(material), []
     trees = [tree] if tree else []
     for tree in trees:
