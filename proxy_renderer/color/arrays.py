@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Color spaces of numpy arrays (..., 3): `floats` for many colors at once, without torch."""
+"""Color conversions of numpy arrays (..., 3), without torch; `floats` has them for single colors."""
 
 import numpy as np
 
@@ -13,11 +13,11 @@ def srgb_from_linear(linear: np.ndarray) -> np.ndarray:
 
 
 def luminance(linear: np.ndarray) -> np.ndarray:
-    """Luminance (...) of linear Rec.709 (..., 3), in its own precision."""
+    """Luminance (...) of linear Rec.709 (..., 3), in the dtype of the input."""
     return linear @ np.asarray(c.LUMINANCE_WEIGHTS, linear.dtype)
 
 
 def sphere_luminance(environment: np.ndarray) -> float:
-    """Mean luminance over the sphere of an equirectangular environment (H, W, 3), linear Rec.709: its rows at the poles are narrow."""
+    """Mean luminance of an equirectangular environment (H, W, 3), linear Rec.709; rows are weighted by their solid angle."""
     heights = (np.arange(len(environment)) + 0.5) / len(environment) * np.pi - np.pi / 2
     return float(np.average(luminance(environment).mean(1), weights=np.cos(heights)))

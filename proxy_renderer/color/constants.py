@@ -24,9 +24,9 @@ REC709_FROM_XYZ: ColorMatrix = (
 WHITE: Lab = (0.95047, 1.0, 1.08883)  # XYZ of D65
 
 # The curve of CIE Lab: a line near black, a cube root above.
-LAB_DELTA = 6 / 29  # end of the line on the curve; in relative XYZ its third power
+LAB_DELTA = 6 / 29  # value of the curve at the line's end; its cube is the XYZ, relative to white, there
 LAB_RISE, LAB_RUN = 841, 108
-"""The line's slope 1 / (3 δ²), as a fraction: multiplied first, divided then, it rounds as it always has."""
+"""The line's slope 1 / (3 δ²) as a fraction. Multiply by the rise first, then divide by the run: rounding depends on the order."""
 LAB_OFFSET = 4 / 29
 
 CONES_FROM_REC709: ColorMatrix = (
@@ -44,7 +44,7 @@ OKLAB_FROM_CONES: ColorMatrix = (
     (1.9779985, -2.4285922, 0.4505937),
     (0.0259040, 0.7827718, -0.8086758),
 )
-"""Of the cube roots of what the cones receive."""
+"""Applied to the cube roots of the cone responses."""
 CONES_FROM_OKLAB: ColorMatrix = (
     (1.0, 0.3963378, 0.2158038),
     (1.0, -0.1055613, -0.0638542),

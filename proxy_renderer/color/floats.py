@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Color spaces of single colors, as plain floats: sRGB, linear Rec.709, CIE Lab and OKLab. Needs neither torch nor numpy.
+"""Color conversions of single colors, as plain floats: sRGB, linear Rec.709, CIE Lab and OKLab. Needs neither torch nor numpy.
 
-`arrays` has the same functions for numpy arrays, `tensors` for torch tensors.
+`arrays` has some of these functions for numpy arrays, `tensors` for torch tensors.
 """
 
 import math
@@ -38,7 +38,7 @@ def decode(encoded: float) -> float:
 
 
 def encode(linear: float) -> float:
-    """Inverse of `decode`, above 1 too."""
+    """Inverse of `decode`, also for values above 1."""
     if linear <= c.SRGB_LINEAR_END:
         return c.SRGB_SLOPE * linear
     return c.SRGB_SCALE * linear ** (1 / c.SRGB_EXPONENT) - c.SRGB_OFFSET
@@ -50,7 +50,7 @@ def linear_from_srgb(srgb: Sequence[float]) -> Values:
 
 
 def mixed(one: Sequence[float], other: Sequence[float], share: float) -> Values:
-    """A share of another sRGB color in one, mixed as light is."""
+    """The sRGB color `one` with a share in [0, 1] of `other`, mixed in linear light."""
     pairs = zip(linear_from_srgb(one), linear_from_srgb(other), strict=True)
     return srgb_from_linear([a + share * (b - a) for a, b in pairs])
 
@@ -81,7 +81,7 @@ def srgb_from_lab(lab: Lab) -> Values:
 
 
 def oklab_from_srgb(srgb: Sequence[float]) -> Lab:
-    """OKLab (Ottosson 2020): its hues stay put when a blue is lightened, where CIE Lab turns it purple."""
+    """OKLab (Ottosson 2020) of sRGB in [0, 1]; a blue keeps its hue when it is lightened, in CIE Lab it turns purple."""
     cones = _apply(c.CONES_FROM_REC709, linear_from_srgb(srgb))
     return _apply(c.OKLAB_FROM_CONES, [v ** (1 / 3) for v in cones])
 
@@ -93,7 +93,7 @@ def srgb_from_oklab(lab: Lab) -> Values:
 
 
 def chroma(lab: Lab) -> float:
-    """Distance from gray."""
+    """Chroma of a Lab or OKLab color: its distance from gray."""
     return math.hypot(lab[1], lab[2])
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Colors as people speak of them: shades, tinges and mixtures of a color, and the basic color that it belongs to."""
+"""Operations on colors as people name them: shades, tinges and mixtures, and the basic color that a color belongs to."""
 
 import math
 from collections.abc import Sequence
@@ -9,7 +9,7 @@ from ..schema import Values
 from .floats import chroma, lab_from_srgb, oklab_from_srgb, srgb_from_hex, srgb_from_oklab
 
 WARM = (0.5, 1.0)  # weights of a* and b* in warmth, see `claims.measures.color.warmth`
-_GRAYISH_LAB = 20.0  # chroma below which a hue says little
+_GRAYISH_LAB = 20.0  # CIE Lab chroma below which a hue is unreliable
 
 # Several typical shades for each basic color: the nearest one decides.
 _SHADES = {
@@ -29,8 +29,8 @@ _SHADES = {
 _UNIQUE = ("#c40233", "#ffd300", "#009f6b", "#0087bd")  # the elementary colors of the Natural Color System
 _GRAYISH_OKLAB = 0.04  # OKLab chroma below which a color has no hue to give or to keep
 _WIDEST, _MOST = 124.0, 1.5
-"""Degrees, and steps between elementary colors, by which two hues differ at most that mix: green and blue do, by 122 and 1.45."""
-_TO_GRAY, _FROM_GRAY = 0.75, 0.2  # share of its chroma lost to a gray tinge, and taken on by a gray
+"""Two hues mix if they differ by less: in degrees, and in steps of `_step`. Green and blue differ by 122 and 1.45."""
+_TO_GRAY, _FROM_GRAY = 0.75, 0.2  # share of chroma: lost to a gray tinge; gained by a gray from its tinge
 
 
 def shade(
@@ -38,12 +38,15 @@ def shade(
 ) -> Values:
     """A shade of an sRGB color.
 
-    A lightness of 0 moves it to L* `towards` in [0, 100], 1 keeps it. Warmth, in units of b*, moves the hue of grayish
-    colors to orange (+) or blue (-).
+    Args:
+        lightness: 0 moves the lightness to `towards`, 1 keeps it.
+        chroma: Factor of the OKLab chroma.
+        towards: CIE L* in [0, 100].
+        warmth: In units of b*; moves the hue of grayish colors to orange (above 0) or blue (below 0).
     """
     light, a, b = oklab_from_srgb(srgb)
     warmth *= max(0.0, 1 - math.hypot(a, b) / 0.15)
-    goal = (towards + 16) / 116  # of a gray of that L*
+    goal = (towards + 16) / 116  # OKLab lightness of a gray of that L*
     light = goal + (light - goal) * lightness
     return srgb_from_oklab((light, a * chroma + warmth / 1200, b * chroma + warmth / 330))
 
@@ -58,21 +61,22 @@ def hue_apart(one: Values, other: Values) -> float:
 
 
 def warm(a: float, b: float) -> float:
-    """Cosine between a tint, in a* and b*, and the way from blue to orange: 1 is warm, -1 is cool."""
+    """Cosine between a tint, in a* and b*, and the direction from blue to orange: 1 is warm, -1 is cool."""
     return (WARM[0] * a + WARM[1] * b) / (math.hypot(*WARM) * max(math.hypot(a, b), 1e-6))
 
 
 def relative_shade(srgb: Values, lighter: float, chroma: float, strength: float = 1.0) -> Values:
-    """A color a share `lighter` in [-1, 1] of the way to white, or, below 0, to black, and more or less of a color.
+    """A lighter or darker shade of an sRGB color, with its chroma multiplied by a factor.
 
-    The strength is that of the word that asks for it: above 1 for "very", below for "slightly".
+    `lighter` in [-1, 1] is the share of the way to white or, below 0, to black. `strength` is that of the word that asks for the
+    shade: above 1 for "very", below 1 for "slightly". It multiplies the share and is the factor's exponent.
     """
     way = min(abs(lighter * strength), 1.0)
     return shade(srgb, 1.0 - way, chroma**strength, 100.0 * (lighter > 0))
 
 
 def basic(srgb: Sequence[float]) -> str:
-    """The basic color (see `attributes.COLORS`) that a person would call this one."""
+    """The basic color (see `words.lexicon.quantities.COLORS`) that a person would call this one."""
     lab = lab_from_srgb(srgb)
     if chroma(lab) < 8:
         return "black" if lab[0] < 18 else "white" if lab[0] > 85 else "grey"
@@ -88,10 +92,10 @@ def basic(srgb: Sequence[float]) -> str:
 
 
 def tinged(base: Values, tinge: Values, share: float) -> Values:
-    """An sRGB color that has a share in [0, 1] of another.
+    """The sRGB color `base` with a share in [0, 1] of the color `tinge`.
 
-    Hues turn the shorter way, by equal parts of the way from one elementary color to the next, because names do: half
-    way from green to blue is a teal, although OKLab's blues fill half of that way.
+    The hue turns the shorter way around a circle on which neighboring elementary colors are equally far apart (see `_step`),
+    because color names are. Half way from green to blue is a teal, although blues fill half of that arc in OKLab.
     """
     (light, chroma, hue), (light2, chroma2, hue2) = _polar(base), _polar(tinge)
     if chroma < _GRAYISH_OKLAB <= chroma2:
@@ -101,14 +105,14 @@ def tinged(base: Values, tinge: Values, share: float) -> Values:
         return _srgb(light, chroma + _TO_GRAY * (chroma2 - chroma), hue)
     step, step2 = _step(hue), _step(hue2)
     turned = step + share * ((step2 - step + 2) % 4 - 2)
-    # the chroma of a sum of two colors is the less, the farther apart their hues are
+    # as of a sum of vectors: the farther apart the hues are, the smaller the chroma
     along = math.cos(math.radians(hue2 - hue))
     own, added = (1 - share) * chroma, share * chroma2
     return _srgb(light, math.sqrt(own**2 + added**2 + 2 * own * added * along), _hue(turned))
 
 
 def mixable(one: Values, other: Values) -> bool:
-    """True if one color can have something of both sRGB colors: a teal can, nothing is both red and green."""
+    """True if two sRGB colors have a mixture with something of both: green and blue have teal, red and green have none."""
     (_, chroma, hue), (_, chroma2, hue2) = _polar(one), _polar(other)
     if min(chroma, chroma2) < _GRAYISH_OKLAB:
         return True
@@ -117,7 +121,7 @@ def mixable(one: Values, other: Values) -> bool:
 
 
 def _polar(srgb: Values) -> tuple[float, float, float]:
-    """OKLab lightness, chroma, and hue in degrees."""
+    """OKLab lightness, chroma, and hue in degrees, of an sRGB color."""
     light, a, b = oklab_from_srgb(srgb)
     return light, math.hypot(a, b), math.degrees(math.atan2(b, a)) % 360
 
@@ -139,7 +143,7 @@ def _step(hue: float) -> float:
 
 
 def _hue(step: float) -> float:
-    """The inverse of `_step`, for any number of turns."""
+    """Hue in degrees at a place on the circle of `_step`; places repeat every 4."""
     arc, part = divmod(step % 4, 1)
     low, high = list(pairwise(_CIRCLE))[int(arc)]
     return low + part * (high - low)

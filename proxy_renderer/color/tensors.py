@@ -43,13 +43,13 @@ def lab_from_linear(linear: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixel
 
 
 def oklab_from_srgb(display: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels 3"]:
-    """OKLab (Ottosson 2020) of sRGB-encoded pictures (..., 3) in [0, 1]: L in [0, 1], a and b about ±0.4."""
+    """OKLab (Ottosson 2020) of sRGB-encoded images (..., 3) in [0, 1]: L in [0, 1], a and b about ±0.4."""
     cones = linear_from_srgb(display) @ display.new_tensor(c.CONES_FROM_REC709).T
     return cones.clamp_min(1e-6) ** (1 / 3) @ display.new_tensor(c.OKLAB_FROM_CONES).T
 
 
 def lab_from_srgb(display: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels 3"]:
-    """CIE Lab (D65) of sRGB-encoded pictures (..., 3) in [0, 1]."""
+    """CIE Lab (D65) of sRGB-encoded images (..., 3) in [0, 1]."""
     return lab_from_linear(linear_from_srgb(display))
 
 
@@ -105,13 +105,13 @@ def ciede2000(
 def mean_difference(
     display1: Float[Tensor, "*pixels 3"], display2: Float[Tensor, "*pixels 3"]
 ) -> Float[Tensor, ""]:
-    """Mean CIEDE2000 (a scalar) of two sRGB-encoded pictures (..., 3) in [0, 1]."""
+    """Mean CIEDE2000 (a scalar) of two sRGB-encoded images (..., 3) in [0, 1]."""
     return ciede2000(lab_from_srgb(display1), lab_from_srgb(display2)).mean()
 
 
-# Fits of Planck's law in linear Rec.709, luminance 1, for the temperatures from each knot on: red and green are
-# a/T + bT + c, blue is a cubic. They are Blender's own (Cycles, kernel/tables.h, Apache-2.0), so that a
-# temperature means the very same light here.
+# Fits of Planck's law in linear Rec.709 with luminance 1, one row for each interval between knots (kelvin): red and
+# green are a/T + bT + c, blue is a cubic. They are Blender's own (Cycles, kernel/tables.h, Apache-2.0), so that a
+# temperature has the same color here as in Blender.
 _KNOTS = (965.0, 1167.0, 1449.0, 1902.0, 3315.0, 6365.0)
 _RED = (
     (1.61919106e3, -2.05010916e-3, 5.02995757),
@@ -143,7 +143,7 @@ _BLUE = (
 
 
 def blackbody(kelvin: Tensor) -> Tensor:
-    """Linear Rec.709 (..., 3) of a light's temperature (...) from 800 to 12000 K, luminance about 1, as Blender multiplies it in."""
+    """Blackbody color (..., 3), linear Rec.709 with luminance about 1, of temperatures (...) from 800 to 12000 K; it multiplies a light's color."""
     t = kelvin.clamp(800.0, 12000.0)
     i = torch.bucketize(t.detach(), t.new_tensor(_KNOTS), right=True)
     r, g, b = (t.new_tensor(table)[i].unbind(-1) for table in (_RED, _GREEN, _BLUE))
@@ -157,9 +157,9 @@ _PARTS = 16
 
 
 def trilinear(table: Tensor, place: Tensor) -> Tensor:
-    """Trilinear values (C, N) of a table (1, C, D, H, W) at places (N, 3) in [-1, 1], W's coordinate first.
+    """Values (C, N) of a table (1, C, D, H, W), interpolated trilinearly at places (N, 3) in [-1, 1], in the order (W, H, D).
 
-    Borders go on outside. As a batch: torch's CPU kernel uses a core for each of its members.
+    Outside, values of the border go on. Places are split into a batch of `_PARTS`: torch's CPU kernel uses one core per member.
     """
     parts = functional.pad(place, (0, 0, 0, -len(place) % _PARTS)).view(_PARTS, -1, 1, 1, 3)
     tables = table.expand(_PARTS, -1, -1, -1, -1)
@@ -168,6 +168,9 @@ def trilinear(table: Tensor, place: Tensor) -> Tensor:
 
 
 def by_stops(table: Tensor, colors: Tensor, toe: float, stops: float) -> Tensor:
-    """Values (..., 3) of a table (1, 3, S, S, S) for colors (..., 3) from 0 up; its axes are at toe · (2 ** s - 1), s up to stops."""
+    """Values (..., 3) of a table (1, 3, S, S, S) for colors (..., 3) ≥ 0, interpolated trilinearly.
+
+    The S entries of each axis are at the colors toe · (2 ** s - 1), with s evenly spaced from 0 to `stops`.
+    """
     place = torch.log2(colors * (1 / toe) + 1) * (2 / stops) - 1
     return trilinear(table, place.reshape(-1, 3)).T.reshape(colors.shape)

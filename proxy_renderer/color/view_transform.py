@@ -21,11 +21,11 @@ _STOPS = math.log2(1 + BRIGHTEST / _TOE)
 
 
 class ViewTransform:
-    """Scene-linear light to display, as Blender's color management does it; arguments and errors: see `apply_ocio`.
+    """Converts scene-linear light to display values as Blender's color management does; `apply_ocio` has arguments and errors.
 
-    The OCIO transform is sampled once, at 65³ colors that reach from black to 2⁶, about evenly spaced in stops;
-    brighter light looks like 2⁶. Against OCIO itself the mean error is below 0.2/255 for every view that Blender has.
-    The white `balance` before it is the rows of a matrix for linear colors; empty for none.
+    The OCIO transform is sampled once, at 65³ colors that reach from black to 2⁶, about evenly spaced in stops. Brighter light is
+    clamped to 2⁶. Against OCIO itself the mean error is below 0.2/255 for every view that Blender has. `balance` has the rows of
+    a matrix for white balance, which multiplies linear colors before; empty for none.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class ViewTransform:
 def _bake(
     ocio: str, display: str, view: str, look: str, space: str, balance: tuple[tuple[float, ...], ...]
 ) -> Tensor:
-    """The table (1, 3, SIZE, SIZE, SIZE), indexed by [color, blue, green, red]. Takes about 0.1 s."""
+    """Samples the transform into a table (1, 3, SIZE, SIZE, SIZE), indexed by [color, blue, green, red]. Takes about 0.1 s."""
     axis = _TOE * (2 ** torch.linspace(0, _STOPS, SIZE, dtype=torch.float64) - 1)
     blue, green, red = torch.meshgrid(axis, axis, axis, indexing="ij")
     colors = torch.stack((red, green, blue), -1).float().numpy()
@@ -69,9 +69,10 @@ def apply_ocio(
 ) -> Float[np.ndarray, "*pixels 3"]:
     """Exact transform of scene-linear light (..., 3) to float32 display values (..., 3), composed as Blender composes it.
 
-    A look chosen by the artist, as "AgX - Punchy", replaces those that the view has of its own; "" or "None" leaves them
-    (Blender: imbuf/opencolorio, create_ocio_display_transform). Without a working space the configuration's is taken; that is
-    a path, or the name of one that OpenColorIO has. Raises VibeError if it cannot be read, or lacks display, view or look.
+    A look chosen by the artist, as "AgX - Punchy", replaces the view's own looks; "" or "None" keeps them (Blender:
+    imbuf/opencolorio, create_ocio_display_transform). `ocio` is the path of a configuration, or the name of one that is built
+    into OpenColorIO. `space` is the working space; if it is empty or unknown, the configuration's scene-linear role is taken.
+    Raises VibeError if the configuration cannot be read, or lacks display, view or look.
     """
     import PyOpenColorIO as OCIO
 
@@ -98,10 +99,10 @@ def apply_ocio(
 
 
 def _configuration(ocio: str, display: str, view: str) -> Any:
-    """The configuration, from a path or a name that OpenColorIO has.
+    """The configuration from a path, or from the name of one that is built into OpenColorIO.
 
-    "ocio://default" is another configuration in each version of OpenColorIO, and Blender's may be older than the engine's: of
-    the built-in ones it is the newest that has the view.
+    Each version of OpenColorIO has another "ocio://default", and Blender's version may be older than the engine's. If the named
+    one lacks the view, the newest of the same family that has the view is returned.
     """
     import PyOpenColorIO as OCIO
 

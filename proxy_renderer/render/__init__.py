@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The proxy renderer: what Cycles would show, differentiable, in torch."""
+"""The proxy renderer: a differentiable approximation of Cycles, in torch."""

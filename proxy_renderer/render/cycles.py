@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Cycles' pictures of known values, and the correction of the proxy by them: the anchor.
+"""The anchor: a Cycles render of known values, and the correction of the proxy that follows from it.
 
-With the proxy's linear picture P(θ), Cycles' picture A at θ₀, and for every light g its part A_g of A, the proxy's
-picture P_g(θ₀) with g alone, and the color s_g(θ) of its light,
+With the proxy's linear image P(θ), Cycles' image A at θ₀, and for every light g its part A_g of A, the proxy's image P_g(θ₀) with
+g alone, and the color s_g(θ) of its light,
 
     R(θ) = c P(θ) + Σ_g (A_g - c P_g(θ₀)) s_g(θ) / s_g(θ₀),      c ≈ A / P(θ₀), smoothed and bounded.
 
-R(θ₀) is A whatever c is; so is every R(θ) in which only colors and powers of lights differ from θ₀, because light
-adds up. Otherwise R has c times the proxy's own gradient. c and the residuals are constants to gradients.
+R(θ₀) is A for any c. If only colors and powers of lights differ from θ₀, R(θ) is what Cycles would render, because light adds up.
+Otherwise R has c times the proxy's own gradient. c and the residuals are constants for gradients.
 
-Of lights that do not move, the anchor keeps the proxy's own layers: a picture of other powers and colors is a sum of them.
+The anchor also keeps the proxy's own image of each light. If only powers and colors change, a new image is a weighted sum of
+these layers.
 
-Smoothing and look-ups do not cross outlines: Kopf et al., "Joint Bilateral Upsampling", 2007, with names of surfaces in
-place of colors.
+Smoothing and look-ups do not cross outlines: Kopf et al., "Joint Bilateral Upsampling", 2007, with object and material in place
+of colors.
 """
 
 from __future__ import annotations
@@ -34,25 +35,25 @@ from .geometry.visibility import Hits, RayGeometry
 from .lights.environment import has_own_backdrop
 from .surface.view_cache import ViewCache
 
-REST = "rest"  # owner of the light that belongs to no light: glowing surfaces, and what cannot be grouped
+REST = "rest"  # owner of light that belongs to no light group: of glowing surfaces, and of what cannot be grouped
 _RATIO = 4.0
-_DARK = 0.02  # of the mean radiance: darker pixels are equally dark
-_FAINT = 2e-3  # of the mean radiance: ratios between darker pixels say nothing
-_BRIGHTER = 16.0  # a light that has become brighter than this times itself leaves its residual behind
-_LAYER_BRIGHTER = 8.0  # likewise, of a layer: that of a light that hardly shone at the anchor is noise
-_OFF = 1e-9  # radiance of a light that was off
+_DARK = 0.02  # in mean radiances: darker pixels count as equally dark
+_FAINT = 2e-3  # in mean radiances: ratios between darker pixels are unreliable
+_BRIGHTER = 16.0  # largest factor by which a residual grows with its light
+_LAYER_BRIGHTER = 8.0  # the same for a layer: layers of lights that were nearly off are noise
+_OFF = 1e-9  # color below which a light counts as off
 _OF_LIGHTS = ("power", "strength", "color", "temperature")
 _OF_WORLD = ("strength", "color", "tint")
-_LEAST = 0.05  # of the corrected proxy: what residuals must leave of a pixel
-_HAZY = 0.05  # of the mean: a part that the proxy takes for darker is smoothed as if even
-_FAR = 1e4  # sizes of the scene
-_RADIUS, _SIGMA = 2, 1.0  # pixels, of the smoothing of ratios and shares
-_REACH = 2.0  # pixels of the picture that is looked up in
-_ALIKE = 0.5  # stops
-_LEAST_WEIGHT = 1e-3  # weight of all pixels together, of which one at the place itself has 4
+_LEAST = 0.05  # share of c P that must remain of a pixel after residuals
+_HAZY = 0.05  # in mean radiances: darker parts of the proxy are smoothed as if they were even
+_FAR = 1e4  # distance at which the background is looked up, in sizes of the scene
+_RADIUS, _SIGMA = 2, 1.0  # pixels: radius and standard deviation of the smoothing
+_REACH = 2.0  # radius of a look-up, in pixels of the anchor
+_ALIKE = 0.5  # width in stops within which pixels count as equally bright
+_LEAST_WEIGHT = 1e-3  # least sum of weights in a look-up; a pixel exactly at the place has 4
 _OUTLINE = 0.2  # weight of pixels next to an outline, which show two surfaces
 _BRIGHTEST = 1e4
-_ROUNDING = 1e-3  # share of a pixel below which what no group accounts for is taken for rounding
+_ROUNDING = 1e-3  # share of a pixel below which light outside all groups counts as a rounding error
 
 
 @dataclass
@@ -60,11 +61,11 @@ class Correction:
     """The constants of one anchor."""
 
     view: View  # the camera of the anchor
-    guide: Tensor  # (H, W) int64, equal where its pixels show the same object and material; -1 for nothing
+    guide: Tensor  # (H, W) int64 number of the object and material that a pixel shows; -1 for none
     colors: Mapping[str, Tensor]  # owner to s_g(θ₀), (3,)
     values: Mapping[str, Tensor]  # θ₀
-    dark: float  # radiance below which all is equally dark
-    stops: Tensor  # (P,) brightness of the proxy's picture at θ₀, in stops
+    dark: float  # radiance below which pixels count as equally dark
+    stops: Tensor  # (P,) brightness of the proxy's image at θ₀, in stops
     fields: Tensor  # (3 (2 + G), P): c, the least share of P that must remain, and the owners' residuals
     owners: tuple[str, ...]  # the G owners, `REST` among them
     _kept: tuple[ViewCache, Tensor] | None = field(default=None, repr=False)
@@ -79,7 +80,13 @@ class Correction:
         view: View,
         cache: ViewCache,
     ) -> Correction:
-        """Compares a picture with the proxy's: `whole` (3, P), `parts` (3, P) of each owner's light alone, and their `colors` (3,)."""
+        """Compares Cycles' image with the proxy's at the same values.
+
+        Args:
+            whole: (3, P) the proxy's linear image.
+            parts: Owner to the proxy's image (3, P) of its light alone.
+            colors: Owner to the color (3,) of its light.
+        """
         guide = _names(cache.samples.center_hits, cache.geometry).view(cache.depth.shape)
         known_owners = [owner for owner in picture.parts if owner in parts]
         reference = _flat(picture.whole).to(whole)
@@ -88,7 +95,7 @@ class Correction:
             reference = (whole.clamp_min(0.0) + faint) * above / (below + faint)
         above, below, faint = _compared(reference, whole, guide)
         ratio = ((above + faint) / (below + faint)).clamp(1 / _RATIO, _RATIO)  # c
-        # What every owner's light adds to c times its part of the proxy's picture.
+        # What every owner's light adds to c times its part of the proxy's image.
         alone = [parts[owner] for owner in known_owners]
         proxy = torch.stack([*alone, whole - sum(alone, torch.zeros_like(whole))])  # (G, 3, P)
         residuals = _shares(picture, known_owners, proxy, guide) * reference - ratio * proxy
@@ -104,7 +111,7 @@ class Correction:
         return view.signature() == self.view.signature()
 
     def pixels(self, linear: Tensor, colors: Mapping[str, Tensor]) -> Tensor:
-        """Corrected pixels (3, P) of a view that fits, with the owners' colors (3,) of now; gradients pass."""
+        """Corrected pixels (3, P) of a view that `fits`, at the owners' current colors (3,); differentiable."""
         return self._apply(linear, colors, self.fields)
 
     def samples(
@@ -115,7 +122,10 @@ class Correction:
         cache: ViewCache,
         before: Callable[[], Tensor],
     ) -> Tensor:
-        """Corrected samples (3, N) of another view, so that outlines stay smooth; `before` makes the proxy's of θ₀."""
+        """Corrected radiance (3, N) of another view's samples: not of its pixels, so that outlines stay smooth.
+
+        `before` renders the proxy's radiance (3, N) of these samples at θ₀.
+        """
         if self._kept is None or self._kept[0] is not cache:
             with torch.no_grad():
                 self._kept = cache, self._look_up(cache, view, before)
@@ -129,7 +139,7 @@ class Correction:
         return torch.maximum(corrected, least * linear)
 
     def _growth(self, owner: str, colors: Mapping[str, Tensor]) -> Tensor | float:
-        """s_g(θ) / s_g(θ₀) (3, 1); a light that was off has no residual to scale."""
+        """s_g(θ) / s_g(θ₀), (3, 1), at most `_BRIGHTER`; 0 for a light that was off, 1 for `REST`, which has no color."""
         before, now = self.colors.get(owner), colors.get(owner)
         if before is None or now is None:
             return 1.0
@@ -137,7 +147,7 @@ class Correction:
         return torch.where(off, 0.0, growth).clamp_max(_BRIGHTER)[:, None]
 
     def _look_up(self, cache: ViewCache, view: View, before: Callable[[], Tensor]) -> Tensor:
-        """The fields where the anchor saw what samples meet; neutral ones where it did not."""
+        """The fields at the samples, looked up where the anchor saw the same surfaces; neutral ones where it did not."""
         samples, geometry = cache.samples, cache.geometry
         neutral = torch.zeros(len(self.fields), device=self.fields.device)
         neutral[:3] = 1.0
@@ -148,35 +158,38 @@ class Correction:
 
 
 def _grown(before: Tensor, now: Tensor) -> tuple[Tensor, Tensor]:
-    """(3,) how many times as bright a light's color has become, 1 where it was off, and (3,) whether it was."""
+    """Ratio (3,) of a light's color `now` to `before`, 1 where it was off; and (3,) bool, where it was off."""
     off = before < _OFF
     return torch.where(off, 1.0, now / torch.where(off, 1.0, before)), off
 
 
 def _stops(linear: Tensor, dark: float) -> Tensor:
-    """Brightness (N,) of linear colors (3, N) on a logarithmic scale."""
+    """Brightness (N,) of linear colors (3, N), in stops."""
     return torch.log2(linear.clamp_min(0.0).mean(0) + dark)
 
 
 def _names(hits: Hits, geometry: RayGeometry) -> Tensor:
-    """(N,) what rays meet: a number for object and material, -1 for nothing."""
+    """(N,) int64 number of the object and material that each ray meets; -1 for none."""
     index = hits.triangle.clamp_min(0)
     return torch.where(hits.hit, geometry.object[index] * 4096 + geometry.material[index], -1)
 
 
 def _flat(picture: Tensor) -> Tensor:
-    """(…, H, W, 3) to (…, 3, P)."""
+    """Reshapes an image (…, H, W, 3) to (…, 3, P)."""
     return picture.flatten(-3, -2).transpose(-1, -2)
 
 
 def _compared(reference: Tensor, whole: Tensor, guide: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-    """Both pictures (3, P), smoothed, and a faint radiance () below which ratios say nothing."""
+    """Cycles' and the proxy's image (3, P), both smoothed, and a radiance () below which their ratio is unreliable."""
     above, below = blur(torch.cat((reference, whole)), guide).split(3)
     return above, below.clamp_min(0.0), 1e-6 + _FAINT * reference.mean()
 
 
 def _shares(picture: CyclesPicture, known_owners: list[str], proxy: Tensor, guide: Tensor) -> Tensor:
-    """Shares (G, 3, P) of the known owners and the rest, smoothed relative to the proxy's sharp shadows; their sum is 1."""
+    """Shares (G, 3, P) of Cycles' image that the known owners, and the rest, have; their sum is 1.
+
+    Noise is removed by smoothing the ratio to the proxy's part, whose sharp shadows stay.
+    """
     other = sum((p for o, p in picture.parts.items() if o not in known_owners), picture.rest)
     noisy = _flat(torch.stack([*(picture.parts[owner] for owner in known_owners), other])).to(proxy)
     model = proxy.clamp_min(0.0) + _HAZY * proxy.abs().mean()
@@ -189,7 +202,7 @@ def _shares(picture: CyclesPicture, known_owners: list[str], proxy: Tensor, guid
 
 
 def blur(fields: Tensor, guide: Tensor) -> Tensor:
-    """Gaussian averages (C, P) of fields (C, P) over each pixel's neighbors that have the same name in the guide (H, W)."""
+    """Gaussian averages (C, P) of fields (C, P) over each pixel's neighbors that have the same number in the guide (H, W)."""
     height, width = guide.shape
     picture = fields.view(-1, height, width)
     total, weights = torch.zeros_like(picture), torch.zeros_like(picture[0])
@@ -211,19 +224,21 @@ def look_up(
     neutral: Tensor,
     stops: tuple[Tensor, Tensor] | None = None,
 ) -> Tensor:
-    """Averages (C, N) of a picture's fields (C, P) around places (2, N) in pixels, over pixels of the given names (N,).
+    """Weighted averages (C, N) of an image's fields (C, P) around places (2, N) in pixels.
 
-    The guide (H, W) has the pixels' names. Where nothing near has the name, the neutral values (C,) are taken.
-
-    With `stops`, of pixels (P,) and what to look for (N,), only pixels about as bright count, so that what belongs to a highlight
-    stays with it.
+    Args:
+        guide: (H, W) number of what each pixel shows, see `_names`.
+        names: (N,) number that a pixel must have to count at a place.
+        neutral: (C,) result where no pixel near the place has that number.
+        stops: Brightness of the pixels (P,) and of the places (N,). If given, only pixels about as bright count, so that fields
+            of a highlight stay in the highlight.
     """
     height, width = guide.shape
     # Pixels whose neighbors show something else weigh little.
     wide = torch.cat((guide, -guide)).view(2, height, width).double()
     high, low = max_pool2d(wide[None], 3, 1, 1)[0]
     flat, inner = guide.flatten(), torch.where(high == -low, 1.0, _OUTLINE).float().flatten()
-    rows = fields.T.contiguous()  # what a pixel has lies together
+    rows = fields.T.contiguous()  # the fields of a pixel are contiguous
     total = torch.zeros((place.shape[1], len(fields)), device=fields.device)
     weights = torch.zeros_like(total[:, 0])
     place = torch.nan_to_num(place, nan=-1e6).clamp(-1e6, 1e6)
@@ -245,15 +260,15 @@ def look_up(
 
 @dataclass(frozen=True)
 class AnchorLayers:
-    """The proxy's own picture at some values, by what sheds its light."""
+    """The proxy's own image at the anchor's values, split by the owners of its light."""
 
     values: Mapping[str, Tensor]  # key to (components,); missing ones are the scene's
     colors: Mapping[str, Tensor]  # owner, as "light/NAME" or "world", to the color (3,) of its light
     parts: Mapping[str, Tensor]  # the same owners to their light (3, P)
-    rest: Tensor  # (3, P) light that belongs to no owner: of what glows
+    rest: Tensor  # (3, P) light that belongs to no owner: of glowing surfaces
 
     def serve(self, values: Mapping[str, Tensor], scene: SceneData) -> bool:
-        """True if other values differ from these only in powers and colors of lights, or in what the film does."""
+        """True if other values differ from these only in powers and colors of lights, or in values of the film."""
         keys = (key for key in values.keys() | self.values.keys() if not key.startswith("film/"))
         return all(is_of_light(key, scene) or self._stays(key, values, scene) for key in keys)
 
@@ -263,7 +278,7 @@ class AnchorLayers:
         return torch.equal(one, other)
 
     def picture(self, colors: Mapping[str, Tensor]) -> Tensor | None:
-        """The picture (3, P) with owners' light of other colors (3,); None where a layer says too little of that."""
+        """The image (3, P) at other colors (3,) of the owners; None if a light was off, or has grown too much for its layer."""
         whole = self.rest
         for owner, part in self.parts.items():
             before, now = self.colors[owner], colors[owner]
@@ -275,21 +290,21 @@ class AnchorLayers:
 
 
 def is_of_light(key: str, scene: SceneData) -> bool:
-    """True if a picture is linear in a parameter, or in the color of light that follows from it."""
+    """True if an image is linear in a parameter of a light or the world, or in the light's color that follows from it."""
     group, _, name = split_key(key)
     if group == "light":
         return name in _OF_LIGHTS
-    # A backdrop of its own keeps its light when the world's changes.
+    # A backdrop with its own color and strength does not change with the world's.
     return group == "world" and name in _OF_WORLD and not has_own_backdrop(scene)
 
 
 @dataclass(frozen=True)
 class CyclesPicture:
-    """A picture, and whose light it is made of."""
+    """A Cycles render, and its parts by the owner of the light."""
 
     whole: Tensor  # (H, W, 3) linear Rec.709, finite, at least 0
-    parts: Mapping[str, Tensor]  # "light/NAME" or "world" to the noisy picture (H, W, 3) of its light alone
-    rest: Tensor  # (H, W, 3) noisy, the light that no part holds
+    parts: Mapping[str, Tensor]  # "light/NAME" or "world" to the noisy image (H, W, 3) of its light alone
+    rest: Tensor  # (H, W, 3) noisy image of the light that is in no part
     denoised: bool = True  # whether the whole is free of noise
 
     @property
@@ -299,7 +314,7 @@ class CyclesPicture:
 
     @staticmethod
     def load(path: Path | str, groups: Mapping[str, str]) -> CyclesPicture:
-        """Reads an anchor that Blender has rendered, its light groups' owners by name; raises VibeError if a picture is missing."""
+        """Reads an anchor rendered by Blender; `groups` maps its light groups to owners. Raises VibeError if a layer is missing."""
         layers = _layers(Path(path))
         denoised = "Noisy Image" in layers  # some builds of Blender have no denoiser
         layers.setdefault("Noisy Image", layers.get("Combined", np.empty(0)))
@@ -315,7 +330,7 @@ class CyclesPicture:
 
 
 def _layers(path: Path) -> dict[str, np.ndarray]:
-    """Pass name to its colors (H, W, 3); Blender 4 writes them into one part, Blender 5 into one each."""
+    """Name of a pass to its colors (H, W, 3); Blender 4 writes all passes into one part of the file, Blender 5 one part each."""
     import OpenEXR
 
     try:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From scene-linear light (H, W, 3) to the picture that an artist sees: Vibe Grade, then the scene's view transform.
+"""From scene-linear light (H, W, 3) to the image that an artist sees: Vibe Grade, then the scene's view transform.
 
-The grade is the torch twin, node by node, of the compositor group that the add-on builds. Sources: Blender's compositor
-nodes Color Balance, Gamma, Hue/Saturation/Value and Glare (high quality), whose bloom halves highlights again and again
-and adds them up on the way back (Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014).
+The grade is the torch twin, node by node, of the compositor group that the add-on builds. Sources: Blender's compositor nodes
+Color Balance, Gamma, Hue/Saturation/Value and Glare (high quality), whose bloom downsamples highlights step by step and adds up
+all sizes (Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014).
 """
 
 import math
@@ -23,41 +23,47 @@ from ..schema.radiometry import TABLE_STOPS, TABLE_TOE
 Picture = Float[Tensor, "*pixels 3"]
 Channels = Float[Tensor, "#3"]
 Amount = Float[Tensor, "*one"]
-_CLEAR = 1e-3  # coverage below which colors are too uncertain to be divided by it
+_CLEAR = 1e-3  # least coverage that colors are divided by
 MIDDLE_GRAY = 0.18
-_BLACK = 1e-6  # stands in for 0 under a power, whose gradient there may be infinite
+_BLACK = 1e-6  # replaces 0 as the base of a power, whose gradient at 0 may be infinite
 BLOOM_THRESHOLD, BLOOM_SMOOTHNESS, BLOOM_SIZE = 1.0, 0.1, 0.5
-"""Settings of the node in the add-on's grade: brightness from which pixels glow, its softness, and the reach."""
+"""Settings of the Glare node in the add-on's grade: brightness from which pixels glow, its softness, size of the glow."""
 
 
 class Film:
-    """Develops linear pictures of one size (width, height); raises VibeError if the view transform cannot be read."""
+    """Develops linear images of one size (width, height); raises VibeError if the view transform cannot be read."""
 
     def __init__(self, spec: FilmSettings, size: tuple[int, int], device: str = "cpu") -> None:
         chosen = spec.ocio, spec.display, spec.view, spec.look, spec.working_space
         self._view = ViewTransform(*chosen, device, spec.white_balance)
         self._gain = spec.gain
-        self._compositor: Tensor | None = None  # (1, 3, S, S, S), whose values are in stops, too
+        self._compositor: Tensor | None = None  # (1, 3, S, S, S), with values in stops, as its axes are
         if spec.compositor is not None:
             table = torch.from_numpy(spec.compositor).permute(3, 0, 1, 2)
             self._compositor = table[None].contiguous().to(device)
         self._falloff = falloff(*size).to(device)
 
     def develop(self, linear: Tensor, values: Mapping[str, Tensor], alpha: Tensor | None = None) -> Tensor:
-        """Display-encoded picture (H, W, 3) in [0, 1]; what is transparent shows black.
+        """Display-encoded image (H, W, 3) in [0, 1]; transparent parts are black.
 
-        The light (H, W, 3) is scene-linear, before the grade, times alpha (H, W), None where the background is seen; values that are
-        missing leave the picture alone.
+        Args:
+            linear: (H, W, 3) scene-linear light before the grade, multiplied by alpha.
+            values: Parameter key to components; missing ones are neutral.
+            alpha: (H, W) coverage; None if the film shows the background.
         """
         graded = self.grade(linear, values)
         if alpha is None:
             return self.show(graded, values)
-        # Blender divides by alpha before its view transform (imbuf, IMB_colormanagement), and PNGs stay so.
+        # Blender divides by alpha before its view transform (imbuf, IMB_colormanagement). PNGs are left so; here the
+        # result is put on black.
         alpha = alpha.clamp(0, 1)[..., None]
         return self.show(graded / alpha.clamp_min(_CLEAR), values) * alpha
 
     def grade(self, linear: Tensor, values: Mapping[str, Tensor]) -> Tensor:
-        """The renderer's gain, the artist's compositor, and "Vibe Grade" in its order, without neutral steps that nothing learns from."""
+        """Applies the renderer's gain, the artist's compositor, and the steps of "Vibe Grade" in its order.
+
+        Steps with neutral values are left out unless they need gradients.
+        """
         set_ = _Settings(values, linear)
         c = linear if self._gain == 1.0 else linear * self._gain
         if self._compositor is not None:
@@ -93,7 +99,7 @@ class Film:
 
 
 class _Settings:
-    """The film's values, with the schema's neutral ones for what is missing."""
+    """The film's values by name; those that are missing have the schema's neutral values."""
 
     def __init__(self, values: Mapping[str, Tensor], like: Tensor) -> None:
         self._values, self._like = values, like
@@ -104,13 +110,13 @@ class _Settings:
         return value if value is not None else self._like.new_full((1,), FAMILIES[key].default)
 
     def moves(self, *names: str) -> bool:
-        """True if any of them changes the picture, or could: it is being learned."""
+        """True if any of the named values is not neutral, or needs a gradient."""
         pairs = ((self[name], FAMILIES[f"film/{name}"].default) for name in names)
         return any(value.requires_grad or bool((value != neutral).any()) for value, neutral in pairs)
 
 
 def power(picture: Picture, exponent: Amount) -> Picture:
-    """Blender's Gamma node: picture ** exponent where it is positive; the rest stays as it is."""
+    """Blender's Gamma node: image ** exponent for positive values; others stay as they are."""
     return torch.where(picture > _BLACK, picture.clamp_min(_BLACK) ** exponent, picture)
 
 
@@ -122,18 +128,18 @@ def lift_gamma_gain(picture: Picture, lift: Channels, midtone: Channels, gain: C
 
 
 def contrast(picture: Picture, amount: Amount) -> Picture:
-    """A power around middle gray, which stays: 0.18 · (c / 0.18) ** amount."""
+    """A power curve that keeps middle gray: 0.18 · (c / 0.18) ** amount."""
     return MIDDLE_GRAY * power(picture / MIDDLE_GRAY, amount)
 
 
 def saturation(picture: Picture, amount: Amount) -> Picture:
-    """Between gray of the same luminance (0), the picture (1) and beyond; never negative."""
+    """Interpolates from a gray of the same luminance (amount 0) to the image (1) and beyond; never negative."""
     gray = luminance(picture)
     return (gray + (picture - gray) * amount).clamp_min(0)
 
 
 def turn_hue(picture: Picture, degrees: Amount) -> Picture:
-    """Blender's Hue/Saturation/Value node with only the hue turned; picture ≥ 0."""
+    """Blender's Hue/Saturation/Value node with only the hue turned; image ≥ 0."""
     brightest, darkest = picture.amax(-1, keepdim=True), picture.amin(-1, keepdim=True)
     chroma = brightest - darkest
     r, g, b = ((brightest - picture) / chroma.clamp_min(_BLACK)).unbind(-1)
@@ -147,7 +153,7 @@ def turn_hue(picture: Picture, degrees: Amount) -> Picture:
 
 
 def falloff(width: int, height: int) -> Float[Tensor, "{height} {width} 1"]:
-    """Share that a full vignette takes from each pixel (H, W, 1): 0 in the middle, 1 in the corners."""
+    """Share of light that a full vignette removes from each pixel (H, W, 1): 0 in the middle, 1 in the corners."""
     x, y = ((torch.arange(n) + 0.5) / n * 2 - 1 for n in (width, height))
     radius = ((x[None, :] ** 2 + y[:, None] ** 2) / 2).sqrt()
     t = ((radius - 0.3) / 0.7).clamp(0, 1)
@@ -155,7 +161,10 @@ def falloff(width: int, height: int) -> Float[Tensor, "{height} {width} 1"]:
 
 
 def bloom(picture: Tensor) -> Tensor:
-    """Light that the node would add at strength 1 to a linear picture (H, W, 3); an even glow is as bright as its source."""
+    """Light (H, W, 3) that the Glare node would add at strength 1 to a linear image (H, W, 3).
+
+    If the highlights are even over the whole image, the added light equals them.
+    """
     layers = [_highlights(picture).permute(2, 0, 1)[None]]
     length = int(math.log2(max(min(picture.shape[:2]) * BLOOM_SIZE, 1)))
     for level in range(length - 1):
@@ -167,7 +176,7 @@ def bloom(picture: Tensor) -> Tensor:
 
 
 def _highlights(picture: Tensor) -> Tensor:
-    """Colors with their HSV value lowered by the threshold, smoothly."""
+    """Colors (H, W, 3) whose HSV value is lowered by the bloom threshold, with a smooth start."""
     value = picture.amax(-1, keepdim=True)
     near = (BLOOM_SMOOTHNESS - (value - BLOOM_THRESHOLD).abs()).clamp_min(0) / BLOOM_SMOOTHNESS
     above = (value - BLOOM_THRESHOLD).clamp_min(0) + near * near * (BLOOM_SMOOTHNESS / 4)
@@ -175,7 +184,11 @@ def _highlights(picture: Tensor) -> Tensor:
 
 
 def _halve(layer: Tensor, calm: bool) -> Tensor:
-    """Half the size of (1, 3, H, W), from five overlapping squares of four 2×2 blocks, the middle one half; calm: no fireflies."""
+    """Downsamples a layer (1, 3, H, W) to half its size.
+
+    Half of a pixel is the square in its middle, half the mean of the four overlapping squares around. A square is the mean of
+    four 2×2 blocks. With `calm`, bright blocks weigh less, against fireflies.
+    """
     blocks = functional.avg_pool2d(functional.pad(layer, (3, 3, 3, 3), mode="replicate"), 2, 1)
     squares = _corners(blocks)
     if calm:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The proxy renderer: an exported scene and a set of values in, pictures out, gradients back."""
+"""The proxy renderer: makes images of an exported scene from a set of values, and gradients with respect to them."""
 
 import math
 from collections.abc import Mapping
@@ -34,32 +34,32 @@ _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
 
 @dataclass(frozen=True, kw_only=True)
 class LatentImage:
-    """Light on the film, before it is developed."""
+    """The linear image before grade and view transform, with what is known of its pixels."""
 
     linear: Tensor  # (H, W, 3) scene-linear Rec.709 before grade and view transform
     mask: Tensor  # (H, W) share of each pixel that the subject covers
     depth: Tensor  # (H, W) distance along the rays in meters; infinite where nothing is hit
-    transmittance: Tensor  # (H, W) share of light that fog lets through from what is seen
-    alpha: Tensor | None = None  # (H, W) coverage of a transparent film, times which `linear` is; else None
+    transmittance: Tensor  # (H, W) share of light that fog lets through between what is seen and the camera
+    alpha: Tensor | None = None  # (H, W) coverage of a transparent film, a factor of `linear`; else None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Render(LatentImage):
-    """One picture."""
+    """A latent image, and the image that `Film` develops from it."""
 
     display: Tensor  # (H, W, 3) as shown, sRGB-encoded in [0, 1]; on black where the film is transparent
 
 
 class Proxy:
-    """Renders one scene at one size (width, height), again and again.
+    """Renders one scene at one size (width, height), any number of times.
 
-    Geometry is traced, on the CPU, only when the camera, or a lamp, has moved since the last render.
-    `correction` is that of renders by a Cycles picture, see `anchor`; None for the plain proxy.
+    Rays are traced on the CPU, and only where camera, lights, mirrors or glass have changed since the last render. `correction`
+    comes from a Cycles render, see `anchor`; None for the plain proxy.
 
     Args:
-        seed: For the jitter of shadow and bounce rays.
-        fine: Whether reflections in smooth surfaces are antialiased, by the values that a camera is first
-            rendered with. For pictures to look at; loops do without.
+        seed: For the jitter of bounce rays.
+        fine: Whether smooth materials get several samples in every pixel, so that their reflections are antialiased. The values
+            at a camera's first render decide which are smooth. For images to look at; loops do without.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class Proxy:
         self._undeveloped: tuple[LatentImage, Mapping[str, Tensor], Correction | None] | None = None
 
     def render(self, values: Mapping[str, Tensor]) -> Render:
-        """Renders the scene, differentiable in all values (C,) by key; missing ones take the scene's."""
+        """Renders the scene, differentiably in `values`: key to components (C,). Missing ones take the scene's values."""
         if torch.is_grad_enabled():
             return self.develop(self.expose(values), values)
         # The last latent image is developed again if only values of the film differ.
@@ -94,27 +94,28 @@ class Proxy:
         return self.develop(latent, values)
 
     def traced(self, values: Mapping[str, Tensor]) -> ViewCache:
-        """The hits of rays at these values; for `expose`, which takes it, or its copy by `aside`, for values nearby."""
+        """The traced view at these values; `expose` accepts it, or a copy by `aside`, for values nearby."""
         return self._frame(values).cache
 
     def develop(self, latent: LatentImage, values: Mapping[str, Tensor]) -> Render:
-        """Grade and view transform of what `expose` returned; only values of the film count."""
+        """Applies grade and view transform to the result of `expose`; of the values, only the film's are used."""
         settings = RenderValues(self.scene, values, self.device)
         film = {key: settings.color(key) for key in _FILM_KEYS if settings.has(key)}
         display = self.film.develop(latent.linear, film, latent.alpha)
         return Render(display=display, **vars(latent))
 
     def expose(self, values: Mapping[str, Tensor], cache: ViewCache | None = None) -> LatentImage:
-        """Renders the scene, up to the film, whose values do not count.
+        """Renders the scene without grade and view transform; values of the film are ignored.
 
-        With a `cache`, nothing is traced again except for a lamp that has moved: mirrors and glasses then stay what they
-        were, as they do for gradients. What differs from the anchor only in powers and colors of lights is a sum of layers.
+        With a `cache`, only lights that have moved are traced again: mirrors and glasses stay as they were traced, as they do for
+        gradients. If values differ from the anchor's only in powers and colors of lights, the image is a sum of the anchor's
+        layers.
         """
         if (latent := self.layered(values)) is not None:
             return latent
         frame = self._frame(values, cache)
         radiance, passing = self._light(frame)
-        # A correction of another camera is looked up by sample, so that outlines stay smooth.
+        # If the anchor had another camera, the correction is looked up per sample, so that outlines stay smooth.
         fits = self.correction is not None and self.correction.fits(frame.view)
         if self.correction and not fits:
             current = frame.owners, frame.view, frame.cache, lambda: self._before(values, frame.cache)
@@ -129,7 +130,7 @@ class Proxy:
         return LatentImage(linear=linear, mask=mask, depth=frame.cache.depth, transmittance=seen, alpha=alpha)
 
     def gbuffer(self, values: Mapping[str, Tensor]) -> GBuffer:
-        """The G-buffer at these values: what the camera sees, and through how much fog."""
+        """The G-buffer at these values: the surfaces that the camera sees, and the transmittance of fog in front of them."""
         with torch.no_grad():
             frame = self._frame(values)
             light, passing = self._through_fog(frame) if frame.fog.active else (0.0, None)
@@ -141,13 +142,13 @@ class Proxy:
             return frame.cache.gbuffer(frame.view, clear, shown.display)
 
     def _gray(self, frame: RenderState) -> Tensor:
-        """Radiance (3, N) of all samples if every surface scattered half of all light, whatever its color; black for the world."""
+        """Radiance (3, N) of all samples if every surface were diffuse with an albedo of 0.5; black where the world is seen."""
         direct_lights, table = surfaces.direct_lights_of(frame), surfaces.table_of(frame)
         light = surfaces.irradiance(frame, direct_lights, self._gather(frame, table)) / (2 * math.pi)
         return functional.pad(light, (0, frame.cache.samples.place.shape[1] - light.shape[1]))
 
     def anchor(self, values: Mapping[str, Tensor], picture: CyclesPicture) -> Correction:
-        """Corrects renders from now on by Cycles' picture of these values; raises VibeError if its size is not the proxy's."""
+        """Makes Cycles' image of these values correct all further renders; raises VibeError if its size is not the proxy's."""
         if picture.size != self.size:
             remedy = "Ask for that size."
             raise VibeError(f"Cycles' picture has {picture.size} pixels instead of {self.size}.", remedy)
@@ -159,12 +160,12 @@ class Proxy:
             self.correction = Correction.of(picture, whole, parts, colors, values, frame.view, frame.cache)
             rest = whole - sum(parts.values(), torch.zeros_like(whole))
             layers = AnchorLayers(dict(values), colors, parts, rest)
-            self._layers = None  # until the anchor's own picture is drawn
+            self._layers = None  # the next line renders the anchor's own image without layers
             self._layers = self.correction, layers, self.expose(values, frame.cache)
         return self.correction
 
     def layered(self, values: Mapping[str, Tensor]) -> LatentImage | None:
-        """The latent image as a sum of the anchor's layers; None where more than light and film differ from the anchor."""
+        """The latent image as a sum of the anchor's layers; None if values need gradients, or more than light and film differ."""
         if self._layers is None or needs_gradient(*values.values()):
             return None
         correction, layers, anchor = self._layers
@@ -181,19 +182,19 @@ class Proxy:
         return replace(anchor, linear=linear)
 
     def _before(self, values: Mapping[str, Tensor], cache: ViewCache) -> Tensor:
-        """Radiance (3, N) of the anchor's values at the samples of the current camera."""
+        """Radiance (3, N) at the samples of the current camera, with all other values as at the anchor."""
         assert self.correction is not None
         others = {k: v for k, v in self.correction.values.items() if not k.startswith("camera/")}
         camera = {k: v.detach() for k, v in values.items() if k.startswith("camera/")}
         return self._light(self._frame({**others, **camera}, cache))[0][:3]
 
     def _frame(self, values: Mapping[str, Tensor], cache: ViewCache | None = None) -> RenderState:
-        """The state of a render at these values; with the samples of another render, if given."""
+        """The state of a render at these values; with the traced view of another render if `cache` is given."""
         settings = RenderValues(self.scene, values, self.device)
         view = view_of(self.scene, settings, self.size)
         shading_inputs = [self._inputs(m, settings) for m in self.scene.materials]
         if cache is None:
-            # What was traced is forgotten if a glass has changed, or a surface glows for the first time.
+            # The traced view is dropped if a glass has changed, or a surface glows for the first time.
             glass = torch.stack([surfaces.glass_transmittance(p) for p in shading_inputs])
             if self.geometry.let_through(glass):
                 self._cache, self.volume = None, SingleScattering(self.geometry.clear)
@@ -207,7 +208,7 @@ class Proxy:
         return RenderState(view, cache, cache.view_samples(view), lamps, sky, shading_inputs, fog)
 
     def _inputs(self, material: Material, settings: RenderValues) -> ShadingInputs:
-        """A material's values. A loop keeps what follows from them for its next render; large pictures have none."""
+        """The shading inputs of a material. Unless `fine`, which is for large images, they keep terms computed from them for the next render."""
         kept: dict[str, Any] | None = None if self.fine else {}
         made = partial(shading_inputs_of, material, settings, kept)
         return self._made.of(f"material/{material.name}", settings, made)
@@ -215,7 +216,10 @@ class Proxy:
     def _cache_of(
         self, view: View, shading_inputs: list[ShadingInputs], lamps: list[LightSource]
     ) -> ViewCache:
-        """The traced view; traced again if the view or a mirror has changed, or a light of a cluster begins to move."""
+        """The traced view, traced again if the view has changed or a light of a cluster begins to move.
+
+        If mirrors have changed, only what they show is traced again; if `fine`, everything is.
+        """
         metals = torch.stack([surfaces.mirror_weight(p) for p in shading_inputs])
         kept = self._cache
         if kept is not None and kept.signature == view.signature() and kept.clusters.hold(lamps):
@@ -230,11 +234,14 @@ class Proxy:
         return self._cache
 
     def _picture(self, frame: RenderState) -> Tensor:
-        """The proxy's own linear picture (3, P)."""
+        """The proxy's own linear image (3, P), uncorrected."""
         return _resolve(frame, self._light(frame)[0])[0][:3]
 
     def _light(self, frame: RenderState) -> tuple[Tensor, Tensor | None]:
-        """Radiance of all samples as the camera gets it, (3 or, with a transparent film, 4, N), and fog's transmittance (N,)."""
+        """Radiance of all samples behind fog, (3, N), and the fog's transmittance (N,), None without fog.
+
+        With a transparent film, the radiance is (4, N): the last row is coverage.
+        """
         direct_lights, table = surfaces.direct_lights_of(frame), surfaces.table_of(frame)
         gathered = self._gather(frame, table)
         radiance = surfaces.radiance(frame, direct_lights, table, gathered)
@@ -258,7 +265,7 @@ class Proxy:
         return frame.cache.indirect.gather_through(table, frame.fog, indirect_fog)
 
     def _through_fog(self, frame: RenderState) -> tuple[Tensor, Tensor]:
-        """Light (3, N) that fog scatters towards the camera before the samples, and its transmittance (N,)."""
+        """Light (3, N) that the fog in front of each sample scatters towards the camera, and that fog's transmittance (N,)."""
         sky, samples = frame.sky, frame.cache.samples
         world = sky.color[:, None] * sky.soft(DIRECTIONS.to(self.device))
         haze = self.volume.scatter(frame.fog, frame.view, self._near, frame.lamps, world)
@@ -274,7 +281,7 @@ def _transmittance(frame: RenderState, passing: Tensor | None) -> Tensor:
 
 
 def _resolve(frame: RenderState, radiance: Tensor) -> tuple[Tensor, Tensor]:
-    """Linear picture (3 or, with alpha, 4, P) and mask (H, W) from the radiance of all samples."""
+    """Linear image (3 or, with alpha, 4, P), with depth of field, and mask (H, W), from the radiance of all samples."""
     view, cache = frame.view, frame.cache
     picture, mask = cache.samples.resolve(radiance), cache.mask
     if view.moving:

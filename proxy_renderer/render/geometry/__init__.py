@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Cameras, rays, and which points of the picture are shaded. No light in here."""
+"""Cameras, rays, and which points of the image are shaded. No light in here."""

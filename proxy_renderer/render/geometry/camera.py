@@ -20,7 +20,7 @@ from .vectors import dot, unit
 
 
 def direction(azimuth: Float[Tensor, ""], elevation: Float[Tensor, ""]) -> Float[Tensor, " 3"]:
-    """Unit vector (3,) from the subject towards an orbit's angles () in degrees: `schema.orbit.direction`."""
+    """Unit vector (3,) from the subject to an orbit's position, from angles () in degrees: the torch twin of `schema.orbit.direction`."""
     a, e = torch.deg2rad(azimuth), torch.deg2rad(elevation)
     return torch.stack((e.cos() * a.sin(), -e.cos() * a.cos(), e.sin()))
 
@@ -39,12 +39,12 @@ class View:
 
     position: Float[Tensor, " 3"]  # (3,) in meters
     rotation: Float[Tensor, "3 3"]  # (3, 3), columns right, up, back
-    scale: Float[Tensor, ""]  # () what one unit of the picture spans: at unit depth, or if orthographic
+    scale: Float[Tensor, ""]  # () meters per unit of the image: at a depth of 1 m, or if orthographic
     orthographic: bool  # whether rays are parallel
     size: tuple[int, int]  # width and height in pixels
-    extent: tuple[float, float]  # width and height of the picture in units of the lens angle's side
+    extent: tuple[float, float]  # width and height of the image; 1 is the side that the field of view spans
     shift: tuple[float, float]  # lens shift in the same units
-    clip: tuple[float, float]  # distances of the near and the far plane
+    clip: tuple[float, float]  # depths of the near and the far plane, meters
 
     @property
     def moving(self) -> bool:
@@ -57,7 +57,7 @@ class View:
         return replace(self, position=position, rotation=rotation, scale=scale)
 
     def signature(self) -> tuple[float, ...]:
-        """Numbers that change when anything that rays depend on does."""
+        """Numbers that change whenever the rays do."""
         flat = torch.cat((self.position, self.rotation.flatten(), self.scale[None])).detach()
         return (*flat.tolist(), *map(float, self.size))
 
@@ -79,7 +79,7 @@ class View:
         return slant * self.clip[0], slant * self.clip[1]
 
     def project(self, points: Float[Tensor, "3 n"]) -> Float[Tensor, "2 n"]:
-        """Picture positions (2, N) in pixels of points (3, N), which must lie in front of the camera."""
+        """Image positions (2, N) in pixels of points (3, N), which must lie in front of the camera."""
         x, y, z = (self.rotation.T @ (points - self.position[:, None])).unbind(0)
         depth = self.scale if self.orthographic else (-z).clamp_min(1e-6) * self.scale
         u = ((x / depth - self.shift[0]) / self.extent[0] + 0.5) * self.size[0]

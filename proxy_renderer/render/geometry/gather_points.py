@@ -19,9 +19,10 @@ _CELLS_ACROSS = 96
 
 
 class SparseWeights:
-    """A fixed sparse matrix (N, A), applied to (A, C).
+    """A constant sparse matrix (N, A), which multiplies values (A, C).
 
-    The rows (R,) that are not empty, in order, have weights (R, K) in columns (R, K); one that is named twice counts twice.
+    `rows` (R,) are the increasing indices of the rows that are not empty. Each has K entries: `columns` and `weights` are (R, K).
+    Entries of one column add up.
     """
 
     def __init__(self, rows: Tensor, columns: Tensor, weights: Tensor, shape: tuple[int, int]) -> None:
@@ -45,7 +46,7 @@ class SparseWeights:
 
 
 def _csr(counts: Tensor, columns: Tensor, weights: Tensor, shape: tuple[int, int]) -> Tensor:
-    """The sparse matrix whose rows have so many entries (N,), one row after the other."""
+    """A sparse matrix with `counts` (N,) entries per row; columns and weights list the entries row by row."""
     starts = torch.cat((counts.new_zeros(1), counts.cumsum(0))).int()
     with warnings.catch_warnings(), torch.sparse.check_sparse_tensor_invariants(False):
         warnings.filterwarnings("ignore", "Sparse (CSR|invariant)")  # "in beta", says torch
@@ -67,9 +68,9 @@ class GatherPoints:
     """Samples on a coarse grid, one for each material seen in each cell.
 
     Attributes:
-        index: (A,) the samples.
+        index: (A,) indices of the samples.
         smooth: Averages over neighboring gather points, against noise.
-        smooth_glossy: The same over the nearest ones, for what depends on the view.
+        smooth_glossy: The same over fewer neighbors, for values that depend on the view.
         spread: Interpolates from gather points to all surface samples.
     """
 
@@ -80,9 +81,9 @@ class GatherPoints:
         columns, rows = -(-width // self._stride), -(-height // self._stride)
         place = samples.place[:, :n] / self._stride
         cell = place[1].long().clamp(0, rows - 1) * columns + place[0].long().clamp(0, columns - 1)
-        # The one that lies nearest to its cell's middle.
+        # Of each kind, the sample that lies nearest to its cell's middle.
         order = torch.argsort((place % 1.0 - 0.5).abs().sum(0), descending=True, stable=True)
-        # Behind a transparent surface the same material may look elsewhere.
+        # Behind a transparent surface, the same material may be seen in another place.
         kind = (cell * 4096 + surface.material) * 8 + samples.layer[:n].clamp_max(7)
         _, group = torch.unique(kind, return_inverse=True)
         self.index = last_of(group, order, int(group.max()) + 1 if n else 0)
@@ -98,10 +99,10 @@ class GatherPoints:
         self.spread = _spread(self._gather_points, points, self._lists, (0, 1), nearest=4, width=1.0)
 
     def turns(self, side: int) -> Tensor:
-        """(A,) numbers below side * side, all different in a square of cells of such a side.
+        """(A,) numbers below side², which differ between all cells of any square of side × side cells.
 
-        Averages that weigh each of them alike leave no pattern of squares: `smooth_glossy` does nearly so for a
-        side of 2, `smooth` for one of 4.
+        An average that gives each of these numbers the same weight shows no pattern of squares. `smooth_glossy` nearly does so
+        for a side of 2, `smooth` for a side of 4.
         """
         column, row = self._cell % side
         return row * side + column
@@ -109,9 +110,12 @@ class GatherPoints:
     def spread_to(
         self, surface: Surface, place: Tensor, distance: Tensor, chosen: Tensor | None = None
     ) -> SparseWeights:
-        """Interpolates from gather points to others at places (2, N) in pixels, which may lie outside the picture.
+        """Interpolates from gather points to other points of a surface.
 
-        Distances (N,) are from the camera. Only the `chosen` (N,) get light; all if None.
+        Args:
+            place: (2, N) image positions of the points in pixels, which may lie outside the image.
+            distance: (N,) from the camera in meters.
+            chosen: (N,) bool, points that get values, others get 0; None for all.
         """
         rows, columns = self._lists.shape[:2]
         limit = place.new_tensor([[columns], [rows]]) - 0.5
@@ -122,7 +126,7 @@ class GatherPoints:
 
 @dataclass(frozen=True)
 class _Places(PointSet):
-    """Points of an interpolation: place (2, N) in cells, surface, and size (N,) in meters of a cell there."""
+    """Points of an interpolation: image position `place` (2, N) in cells, surface, and size `pitch` (N,) of a cell there in meters."""
 
     place: Tensor
     surface: Surface
@@ -130,7 +134,7 @@ class _Places(PointSet):
 
 
 def _cell_lists(cell: Tensor, columns: int, rows: int, most: int) -> Tensor:
-    """(rows, columns, most) gather points of every cell, -1 where there are fewer."""
+    """Gather points (rows, columns, most) in every cell, -1 where there are fewer."""
     order = torch.argsort(cell, stable=True)
     count = torch.bincount(cell, minlength=columns * rows)
     rank = torch.arange(len(cell), device=cell.device) - (count.cumsum(0) - count)[cell[order]]
@@ -151,9 +155,13 @@ def _spread(
 ) -> SparseWeights:
     """Weights from the gather points that fit each point's normal, plane and place best.
 
-    The window has cells along both axes: offsets from a point's own, or from the upper left of the four whose middles surround it
-    where it has an even length. The nearest, at most as many as that, are kept; at the width, in cells, their weight has faded.
-    Only `chosen` points (N,) get light; all if None.
+    Args:
+        lists: (rows, columns, most) gather points in every cell.
+        window: Offsets of the cells to search, along both axes: from a point's own cell if their number is odd, else from the
+            upper left of the four cells whose middles surround it.
+        nearest: Number of gather points that are kept for a point.
+        width: Distance in cells at which a weight has faded.
+        chosen: (N,) bool, points that get weights; None for all.
     """
     count, device = points.place.shape[1], lists.device
     shape = count, gather_points.place.shape[1]
@@ -166,7 +174,7 @@ def _spread(
         most = torch.maximum(most, held.index_select(0, cells))
     best = torch.zeros((len(rows), nearest), dtype=torch.int64, device=device)
     weight = torch.zeros(best.shape, device=device)
-    # Where no cell around holds more than one gather point, as almost everywhere, there is little to choose from.
+    # Points are grouped by the most gather points in a cell around, almost everywhere 1: few candidates are compared.
     for n in range(1, lists.shape[2] + 1):
         group = (most == n).nonzero()[:, 0]
         if len(group):
@@ -178,7 +186,7 @@ def _spread(
 
 
 def _window(place: Tensor, window: Sequence[int], rows: int, columns: int) -> Tensor:
-    """(W, N) cells around places (2, N)."""
+    """Indices (W, N) of the cells of a window around places (2, N)."""
     x, y = (place - (0.0 if len(window) % 2 else 0.5)).floor().long()
     across = [(x + step).clamp(0, columns - 1) for step in window]
     down = [(y + step).clamp(0, rows - 1) * columns for step in window]
@@ -188,7 +196,7 @@ def _window(place: Tensor, window: Sequence[int], rows: int, columns: int) -> Te
 def _best(
     gather_points: _Places, points: _Places, candidates: Tensor, nearest: int, width: float
 ) -> tuple[Tensor, Tensor]:
-    """The best gather points (N, nearest) of the candidates (C, N), -1 for none, and their weights."""
+    """The gather points (N, nearest) of largest weight, and their weights, among candidates (C, N), of which -1 stands for none."""
     index = candidates.clamp_min(0)
 
     def of(values: Tensor) -> Tensor:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The points of the picture that are shaded, found through transparent surfaces, and how they add up to pixels."""
+"""The points of the image that are shaded, found through transparent surfaces, and how they add up to pixels."""
 
 from dataclasses import dataclass, replace
 
@@ -12,7 +12,7 @@ from .visibility import Hits, RayGeometry, Surface
 
 EDGE_SAMPLES = 5
 _NEIGHBOR = 0.084  # a pixel's share of each neighbor along an axis: a variance of 0.17 square pixels
-_FILTER_WIDTH = 3.0  # pixels: twice what Blender says (1.5 by default), for Cycles takes it for a radius
+_FILTER_WIDTH = 3.0  # pixels: twice Blender's setting (1.5 by default), which Cycles takes for a radius
 _FAINT = 0.004  # share of a ray below which it is not followed, and a hit does not count
 _MOST_LAYERS = 8
 
@@ -21,21 +21,21 @@ _MOST_LAYERS = 8
 class Samples:
     """All shaded points of one view, sorted by material, the background last."""
 
-    size: tuple[int, int]  # width and height of the picture
+    size: tuple[int, int]  # width and height of the image
     pixel: Tensor  # (N,) index of the pixel (row-major, row 0 on top) that a sample counts towards
-    weight: Tensor  # (N,) its share; the shares of a pixel sum to 1
-    place: Tensor  # (2, N) picture position in pixels
-    layer: Tensor  # (N,) how many surfaces their rays have passed before, at least
+    weight: Tensor  # (N,) the sample's share of the pixel; the shares of a pixel sum to 1
+    place: Tensor  # (2, N) image position in pixels
+    layer: Tensor  # (N,) how many surfaces the sample's ray has met before
     hits: Hits  # what the samples' rays meet
-    slices: tuple[tuple[int, int, int], ...]  # of every material in view: index, first, last-plus-one sample
+    slices: tuple[tuple[int, int, int], ...]  # of materials in view: index, first sample, one past the last
     surfaces: int  # how many samples meet a surface; the others see the background
-    first: Tensor  # (P,) a sample of every pixel
+    first: Tensor  # (P,) index of one sample of every pixel
     others: Tensor  # (E,) the samples that are no pixel's `first`
     plain: Tensor  # (P,) whether a pixel has samples in its middle only
     owner: Tensor  # (P,) object that the ray through a pixel's center meets, -1 for none
     center_hits: Hits  # hits of the rays through the pixels' centers (P,)
-    origin: Tensor  # (3, N) rays, directions of unit length
-    toward: Tensor  # (3, N) rays, directions of unit length
+    origin: Tensor  # (3, N) origins of the samples' rays
+    toward: Tensor  # (3, N) unit directions of the samples' rays
 
     def resolve(self, values: Tensor) -> Tensor:
         """Filters samples (C, N) into pixels (C, P)."""
@@ -43,7 +43,10 @@ class Samples:
 
 
 class _Resolve(torch.autograd.Function):
-    """A weighted sum per pixel whose backward is a gather; a single sample's neighbors stand for what the filter meets there."""
+    """Weighted sum of samples per pixel, whose backward pass is a gather.
+
+    Pixels with one sample are mixed with their neighbors, which stand for what the pixel filter would cover.
+    """
 
     @staticmethod
     def forward(ctx, values, samples):
@@ -62,7 +65,7 @@ class _Resolve(torch.autograd.Function):
 
 
 def _diffuse(picture: Tensor, size: tuple[int, int]) -> Tensor:
-    """Exchanges a share of every pixel (C, P) with its neighbors; its own transpose."""
+    """Exchanges a share of every pixel (C, P) with its neighbors; a symmetric operator, which is its own backward pass."""
     spread = picture.view(-1, size[1], size[0]).clone()
     for axis in (1, 2):
         n = spread.shape[axis] - 1
@@ -74,10 +77,10 @@ def _diffuse(picture: Tensor, size: tuple[int, int]) -> Tensor:
 
 
 def take(geometry: RayGeometry, view: View, smooth: Tensor) -> Samples:
-    """Finds what the view sees: one sample in the middle of plain pixels, several where edges pass.
+    """Finds the points that a view sees: one ray through the middle of plain pixels, several where edges pass.
 
-    Smooth materials (M,) bool show pictures of others, whose edges may pass anywhere: they get several as well.
-    Where surfaces are transparent, a ray makes a sample of each, weighted by what it adds.
+    Pixels of `smooth` materials (M,) bool get several rays, too: edges may pass anywhere in their reflections. A ray through
+    transparent surfaces makes a sample on each, weighted by its contribution.
     """
     # Rays through the centers show where edges pass.
     width, height = view.size
@@ -130,7 +133,7 @@ def take(geometry: RayGeometry, view: View, smooth: Tensor) -> Samples:
 
 
 def pixel_centers(size: tuple[int, int]) -> Tensor:
-    """(2, P) picture positions of the middles of all pixels of a size (width, height), row by row."""
+    """(2, P) image positions of the middles of all pixels of a size (width, height), row by row."""
     y, x = torch.meshgrid(torch.arange(size[1]), torch.arange(size[0]), indexing="ij")
     return torch.stack((x.flatten(), y.flatten())).to(torch.float32) + 0.5
 
@@ -180,11 +183,11 @@ class HitLayers(PointSet):
     weight: Tensor  # (N,) the share of the ray that is seen there; the shares of a ray sum to 1
 
     def strongest(self, count: int) -> Hits:
-        """For every ray (count,) the hit that it shows most of."""
+        """For each of `count` rays, its hit with the largest weight."""
         return self.hits.pick(last_of(self.ray, torch.argsort(self.weight, stable=True), count))
 
     def nearest(self, count: int) -> Hits:
-        """For every ray (count,) the first hit that counts."""
+        """For each of `count` rays, its nearest hit."""
         index = torch.arange(len(self.ray), device=self.ray.device).flip(0)
         return self.hits.pick(last_of(self.ray, index, count))
 
@@ -208,7 +211,7 @@ def follow(geometry: RayGeometry, view: View, origin: Tensor, toward: Tensor) ->
         counts = share >= _FAINT
         numbers = torch.full_like(index, number)
         collected.append(HitLayers(index, numbers, hits, share).pick(counts))
-        # What is too faint to count is given to what comes after it.
+        # A share that is too faint to count goes to the next hit of the ray.
         rest = torch.where(counts, rest, left)
         onward = ~ends
         if not bool(onward.any()):
@@ -227,7 +230,10 @@ def _before(far: Tensor, hits: Hits) -> Hits:
 
 
 def last_of(group: Tensor, order: Tensor, count: int) -> Tensor:
-    """The member (count,) of every group that comes last in an order, a permutation (N,); no group (N,) may be empty."""
+    """For each of `count` groups, the member that comes last in `order`.
+
+    `group` (N,) has the group of each member, `order` is a permutation (N,) of the members. No group may be empty.
+    """
     rank = torch.arange(len(order), device=order.device)
     last = torch.zeros(count, dtype=torch.int64, device=order.device)
     # Not by assignment: which of several writes to one place wins is not defined.

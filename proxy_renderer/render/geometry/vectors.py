@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Planar vectors (3, N), written out: torch reduces a leading axis of three an order slower than this.
+"""Planar vectors (3, N), computed by component: torch's reductions over a leading axis of three are about ten times slower.
 
-Also directions of secondary rays, and two ways of limiting that keep gradients alive where `torch.clamp` would lose them.
+Also directions of secondary rays, and two ways of limiting that keep gradients where `torch.clamp` would lose them.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from torch import Tensor
 
 @dataclass(frozen=True)
 class PointSet:
-    """What is known of N points or rays: the last axis of each field counts them."""
+    """Base of dataclasses about N points or rays: the last axis of each field counts them."""
 
     def pick(self, index: Tensor | slice) -> Self:
         """The points at an index."""
@@ -26,7 +26,7 @@ class PointSet:
 
     @classmethod
     def joined(cls, several: Sequence[Self]) -> Self:
-        """All points of several, one after the other."""
+        """The points of several sets, one after the other."""
         columns = ([getattr(one, each.name) for one in several] for each in fields(cls) if each.init)
         return cls(*(c[0].joined(c) if isinstance(c[0], PointSet) else torch.cat(c, -1) for c in columns))
 
@@ -43,7 +43,7 @@ def _dot(a: Tensor, b: Tensor) -> Tensor:
 
 
 class _Dot(torch.autograd.Function):
-    """Autograd would make a vector of zeros for every component that is taken."""
+    """Scalar product with its own gradient: autograd would allocate zeros for every component that is indexed."""
 
     @staticmethod
     def forward(ctx, a, b):
@@ -66,7 +66,7 @@ def length(a: Tensor, least: float = 1e-6) -> Tensor:
 
 
 def unit(a: Tensor, least: float = 1e-6) -> Tensor:
-    """Vectors of length 1; what is shorter than `least` stays shorter than 1."""
+    """Unit vectors (3, N); vectors shorter than `least` get a length below 1."""
     return a * dot(a, a).clamp_min(least * least).rsqrt()
 
 
@@ -114,12 +114,12 @@ def cosine_directions(normal: Tensor, uv: Tensor) -> Tensor:
 
 
 def overlap(shift: int, size: int) -> tuple[slice, slice]:
-    """The part of a picture's axis that a shifted copy overlaps, and the same part in the copy."""
+    """The pixels of an axis that have a neighbor at an offset `shift`, and these neighbors, as slices."""
     return slice(max(0, -shift), size - max(0, shift)), slice(max(0, shift), size - max(0, -shift))
 
 
 def texels(height: int, width: int, device: torch.device) -> tuple[Tensor, Tensor]:
-    """Directions (3, T) of an equirectangular picture's texels, bottom row first, and solid angles (T,)."""
+    """Directions (3, T) of an equirectangular image's texels, bottom row first, and solid angles (T,)."""
     v = (torch.arange(height, device=device) + 0.5) / height
     u = (torch.arange(width, device=device) + 0.5) / width
     elevation, angle = torch.meshgrid((v - 0.5) * math.pi, (0.5 - u) * 2 * math.pi, indexing="ij")

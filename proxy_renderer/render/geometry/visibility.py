@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Intersections of rays, by Embree. Everything here is a constant of one camera or one light: no gradients."""
+"""Intersections of rays with triangles, by Embree. Hits are constants; gradients pass only through `RayGeometry.follow`."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ from .vectors import PointSet, cross, damped, dot, unit
 
 RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")  # an object may be hidden from them
 
-_SHARE = 8192  # rays that are worth a thread
+_SHARE = 8192  # least number of rays per thread
 
 _pool = functools.cache(ThreadPoolExecutor)
 
 
 TraceResult = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
-"""Ends of N rays: triangles (N,), -1 for a miss; the weights u and v, and distances, float32."""
+"""Hits of N rays, (N,) each: triangle index, -1 for a miss; barycentric weights u and v, and distance, float32."""
 
 
 class TriangleTree:
-    """The triangles of a mesh with indices `members` (n,), ready for rays."""
+    """Some triangles of a mesh, those with the indices `members` (n,), ready for rays."""
 
     def __init__(self, mesh: SceneMesh, members: np.ndarray) -> None:
         self._mesh, self._members = weakref.ref(mesh), members
@@ -44,7 +44,7 @@ class TriangleTree:
     @functools.cached_property
     def _embree(self) -> rtcore_scene.EmbreeScene:
         mesh = self._mesh()
-        assert mesh is not None  # whoever traces has it
+        assert mesh is not None  # callers that trace keep the mesh alive
         faces = mesh.faces[self._members]
         used = np.zeros(len(mesh.vertices), bool)
         used[faces] = True
@@ -55,7 +55,7 @@ class TriangleTree:
         return scene
 
     def _run(self, *rays: np.ndarray, **how: Any) -> Any:
-        """Embree's answer for rays (N, …), by as many threads as torch has: it lets go of Python's lock."""
+        """Embree's answer for rays (N, …), on as many threads as torch has; Embree releases Python's lock."""
         threads = min(torch.get_num_threads(), len(rays[0]) // _SHARE)
         if threads < 2:
             return self._embree.run(*rays, **how)
@@ -66,7 +66,7 @@ class TriangleTree:
         return np.concatenate(answers)
 
     def nearest(self, origin: np.ndarray, toward: np.ndarray, before: TraceResult | None) -> TraceResult:
-        """The nearest hits of rays (N, 3), those that another tree gave among them."""
+        """The nearest hits of rays (N, 3), among these triangles and the hits `before` of other trees."""
         if before is None:
             answer = self._run(origin, toward, output=1)
         else:
@@ -86,7 +86,7 @@ _trees: weakref.WeakKeyDictionary[SceneMesh, dict[bytes, TriangleTree]] = weakre
 
 
 def tree_of(mesh: SceneMesh, members: np.ndarray) -> TriangleTree:
-    """The tree of some triangles (n,) of a mesh: all that trace the same ones share it, as long as the mesh lives."""
+    """The tree of some triangles (n,) of a mesh; made once and shared, as long as the mesh exists."""
     key = hashlib.blake2b(members.tobytes(), digest_size=16).digest()
     trees = _trees.setdefault(mesh, {})
     return trees.setdefault(key, TriangleTree(mesh, members))
@@ -97,15 +97,19 @@ class TriangleClass:
     """Triangles that all rays treat alike."""
 
     tree: TriangleTree  # the triangles
-    hidden: frozenset[str]  # kinds of rays that pass them, of `RAYS`
+    hidden: frozenset[str]  # kinds of rays, of `RAYS`, that do not meet them
     clear: bool  # whether they may let light through
-    material: int  # the glowing material of them all, which casts no shadow in its own light; -1 for others
+    material: int  # material of all, if it glows and casts no shadow in its own light; else -1
 
 
 def classes_of(
     mesh: SceneMesh, hidden: list[frozenset[str]], clear: np.ndarray, apart: frozenset[int]
 ) -> list[TriangleClass]:
-    """Sorts the triangles of a mesh into classes by what objects are `hidden` from, `clear` (M,) materials, and those `apart`."""
+    """Sorts the triangles of a mesh into classes, the largest class first.
+
+    Triangles of one class have objects `hidden` from the same rays, and materials that are all `clear` (M,) or all not. Materials
+    in `apart` have classes of their own.
+    """
     kinds = list(dict.fromkeys(hidden))
     kind = np.array([kinds.index(h) for h in hidden])
     own = np.array([m if m in apart else -1 for m in range(len(clear))])
@@ -125,11 +129,11 @@ _LAYERS = 8  # transparent surfaces that a ray passes at most: Cycles' default o
 
 @dataclass(frozen=True)
 class Hits(PointSet):
-    """Ends of N rays."""
+    """The hits of N rays: where they end."""
 
     triangle: Tensor  # (N,) int64, -1 for a miss
-    u: Tensor  # (N,) barycentric weights of the triangle's second and third corner
-    v: Tensor  # (N,) barycentric weights of the triangle's second and third corner
+    u: Tensor  # (N,) barycentric weight of the triangle's second corner
+    v: Tensor  # (N,) barycentric weight of the triangle's third corner
     distance: Tensor  # (N,), infinite for a miss
 
     @property
@@ -144,7 +148,7 @@ class Hits(PointSet):
 
 
 class Opacity(Protocol):
-    """Alpha of the scene's materials, as rays ask for it; `material.inputs.MaterialOpacity` is the real one."""
+    """Interface of the alpha of the scene's materials, for rays; implemented by `material.inputs.MaterialOpacity`."""
 
     @property
     def clear(self) -> Tensor:
@@ -167,7 +171,7 @@ class TriangleArrays:
 
     @classmethod
     def of(cls, mesh: SceneMesh, device: torch.device) -> TriangleArrays:
-        """Those of a mesh; on the CPU its own arrays, as far as that goes."""
+        """The triangles of a mesh on a device; on the CPU, they share the mesh's memory where possible."""
         places = mesh.vertices[mesh.faces]
         low, high = places.min((0, 1)), places.max((0, 1))
         corners, normals, uvs = (
@@ -182,7 +186,7 @@ class TriangleArrays:
 _on_device: weakref.WeakKeyDictionary[SceneMesh, dict[torch.device, TriangleArrays]] = (
     weakref.WeakKeyDictionary()
 )
-"""Of each mesh; all renderers of it share them."""
+"""The triangles of each mesh by device; all renderers of the mesh share them."""
 
 
 def _arrays_of(mesh: SceneMesh, device: torch.device) -> TriangleArrays:
@@ -200,9 +204,9 @@ class RayGeometry:
         normals: (3, F, 3) shading normals, likewise.
         uvs: (3, F, 2).
         material, object: (F,) int64.
-        opacity: Alpha of what is not opaque; None where everything is.
-        glass: (M,) share of light that passes a surface of each material, refracted. Materials that are `glassy` (M,) from
-            the first are sorted with those that have some.
+        opacity: Alpha of materials; None if all are opaque.
+        glass: (M,) share of refracted light that passes a surface of each material. Materials that are `glassy` (M,) count as
+            transparent even where this is 0.
         size: Diagonal of the bounding box in meters; offsets and tolerances are relative to it.
     """
 
@@ -233,7 +237,7 @@ class RayGeometry:
         return changed
 
     def set_apart(self, materials: set[int]) -> None:
-        """Lets shadow rays leave a material's surface out, as its own light wants them to."""
+        """Gives materials classes of their own, so that shadow rays can leave one material out (`without` in `clear`)."""
         if not materials <= self._apart:
             self._apart |= materials
             self._sort()
@@ -250,7 +254,11 @@ class RayGeometry:
         return met[self.object]
 
     def first_hits(self, origin: Tensor, toward: Tensor, ray: str, numbers: Tensor | None = None) -> Hits:
-        """Ends of rays (3, N) of a kind; a transparent surface stops a share of them, the same by their `numbers` (N,)."""
+        """First hits of rays (3, N) of a kind.
+
+        A transparent surface stops only its share of the rays; which ones depends on their `numbers` (N,), always in the same
+        way.
+        """
         hits = self.nearest(origin, toward, ray)
         if not self._filter:
             return hits
@@ -294,7 +302,7 @@ class RayGeometry:
     def clear(
         self, origin: Tensor, toward: Tensor, distance: Tensor, without: int = -1, ray: str = "shadow"
     ) -> Tensor:
-        """Share (N,) of light that passes along unit directions (3, N) over meters (N,), not blocked by a material `without`."""
+        """Share (N,) of light that passes along unit directions (3, N) over meters (N,); a material `without` that is set apart blocks none."""
         passing = torch.ones(origin.shape[1], device=self.device)
         blocking = [c for c in self._classes if ray not in c.hidden]
         if without >= 0:
@@ -307,7 +315,7 @@ class RayGeometry:
         return self._filtered(origin, toward, distance, passing, veils) if veils else passing
 
     def stopping(self, surface: Surface, toward: Tensor) -> Tensor:
-        """Share (N,) of light along rays (3, N) that a surface stops: the rim of curved glass, where rays graze, casts shadow."""
+        """Share (N,) of light along rays (3, N) that a surface stops; glass stops more at grazing angles, so that its rim casts a shadow."""
         solid = 1.0 if self.opacity is None else self.opacity.at(surface)
         through = self.glass[surface.material] * dot(surface.normal, toward).abs()
         return solid * (1 - through)
@@ -315,7 +323,7 @@ class RayGeometry:
     def _filtered(
         self, origin: Tensor, toward: Tensor, distance: Tensor, passing: Tensor, veils: list[TriangleClass]
     ) -> Tensor:
-        """The passing share (N,) after the transparent surfaces along the rays."""
+        """The share `passing` (N,), reduced by the transparent surfaces (`veils`) along the rays."""
         index = (passing > 0).nonzero()[:, 0]
         start = torch.zeros_like(passing)
         for _ in range(_LAYERS):
@@ -333,7 +341,7 @@ class RayGeometry:
         return passing
 
     def surface(self, hits: Hits, toward: Tensor) -> Surface:
-        """The surface at hits; where rays miss, whatever triangle 0 has (finite, to be ignored)."""
+        """The surface at hits; where rays miss, finite values of triangle 0, to be ignored."""
         index = hits.triangle.clamp_min(0)
         weights = torch.stack((1 - hits.u - hits.v, hits.u, hits.v))
         weights = torch.where(hits.hit, weights, 1 / 3)
@@ -342,8 +350,8 @@ class RayGeometry:
     def follow(self, hits: Hits, origin: Tensor, toward: Tensor) -> Surface:
         """The surface where differentiable rays (3, N) meet the planes of the triangles they hit.
 
-        All rays must have hit. Their barycentric weights are those of Moeller and Trumbore (1997). Where a
-        ray grazes, its hit races over the surface: few samples would carry huge gradients, which are damped.
+        All rays must have hit. Their barycentric weights are those of Moeller and Trumbore (1997). Hits of grazing rays move fast
+        over the surface, and few samples would have huge gradients: these are damped.
         """
         a, b, c = (self.corners[k, hits.triangle].T for k in range(3))
         e1, e2, offset = b - a, c - a, origin - a
@@ -376,7 +384,7 @@ class RayGeometry:
         return dot(outside, toward) > 0
 
     def lifted(self, surface: Surface) -> Tensor:
-        """Origins (3, N) for rays that leave a surface without meeting it again at once."""
+        """Origins (3, N) just above a surface, for rays that must not meet it again at once."""
         scale = 1e-5 * (self.size + surface.position.abs().amax(0))
         return surface.position + surface.facet * scale
 
@@ -394,7 +402,7 @@ class Surface(PointSet):
 
 
 def facing(normal: Tensor, toward: Tensor) -> Tensor:
-    """Unit normals (3, N) bent so far that rays (3, N) meet them from outside; else the surface would be in the dark."""
+    """Unit normals (3, N), bent just as far as rays (3, N) need to meet them from outside; else the surface would be dark."""
     cosine = -dot(normal, toward)
     return unit(normal - toward * (0.02 - cosine).clamp_min(0.0))
 
@@ -408,10 +416,10 @@ def sphere_points(count: int, copies: int, generator: torch.Generator) -> Tensor
 
 
 def shared_points(count: int, turn: Tensor, generator: torch.Generator) -> Tensor:
-    """Points in [0, 1)^2 that copies share: (2, copies, count), all shifted by the same random step.
+    """Points (2, copies, count) in [0, 1)^2 that copies take from one sequence, shifted by one random step.
 
-    Every turn (copies,), from 0 on, takes the next `count` points of the sequence of `sphere_points`, so that copies of
-    different turns add up to one set that spreads as well. Where neighbors are averaged, little noise is left.
+    A copy whose `turn` (copies,) is t takes the t-th group of `count` points of the R2 sequence (see `sphere_points`). Copies of
+    different turns thus add up to one evenly spread set, and averages over such neighbors have little noise.
     """
     points = sphere_points(count * (int(turn.max()) + 1 if len(turn) else 0), 1, generator).to(turn.device)
     return points.view(2, -1, count)[:, turn]

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Highlights of lights: a GGX lobe integrated over the light's outline, in closed form.
 
-In the slope space of the half vector, s = (h_x, h_y) / h_z, GGX is the isotropic density
-P(s) = 1 / (pi a^2 (1 + |s|^2 / a^2)^2) whatever the view. Its integral over a disc and over a
-rectangle are the well-known view factors of a small patch to a parallel disc and rectangle.
-A lamp's outline is carried to slope space and treated as one of the two there.
+In the slope space of the half vector, s = (h_x, h_y) / h_z, GGX is the isotropic density P(s) = 1 / (pi a^2 (1 + |s|^2 / a^2)^2)
+for any view. Its integral over a disc and over a rectangle are the well-known view factors of a small patch to a parallel disc
+and rectangle. A light's outline is mapped to slope space, where it is approximated by an ellipse or a rectangle. The mirror
+direction is the origin there.
 """
 
 from __future__ import annotations
@@ -23,32 +23,32 @@ from .light_source import DirectIrradiance, LightSource, Vectors
 
 _LEAST_ALPHA = 2e-3
 _PAIRS = ((0, 0), (1, 1), (0, 1))
-_LEAST_UP = 0.08  # least cosine between half vector and normal, whose slopes go to infinity
+_LEAST_UP = 0.08  # least cosine between half vector and normal: at 0, slopes are infinite
 
 
 @dataclass(frozen=True)
 class AreaSpecular(PointSet):
     """A light's highlight at N points, before roughness and Fresnel of the material."""
 
-    strength: Float[Tensor, " n"]  # (N,) the lamp's radiance times (h.v) / (n.v n.h), 0 below the horizon
+    strength: Float[Tensor, " n"]  # (N,) the light's radiance times (h.v) / (n.v n.h), 0 below the horizon
     curve: Float[Tensor, "7 n"]  # (7, N) albedo basis at the half vector, for Fresnel
-    slope_in: Float[Tensor, " n"]  # (N,) squared tangents of the lamp's and the viewer's angle to the normal
-    slope_out: Float[Tensor, " n"]  # (N,) squared tangents of the lamp's and the viewer's angle to the normal
-    # (4, N) left, right, bottom and top of a rectangle seen from the mirror direction, in slopes; or (5, N)
-    # for an ellipse, see `_round_place`
+    slope_in: Float[Tensor, " n"]  # (N,) squared tangent of the angle between light and normal
+    slope_out: Float[Tensor, " n"]  # (N,) squared tangent of the angle between viewer and normal
+    # in slopes from the mirror direction: (4, N) left, right, bottom and top of a rectangle, or (5, N) an
+    # ellipse, see `_round_place`
     outline: Float[Tensor, "outline n"]
     _lobes: Recent = field(default_factory=Recent, init=False, repr=False, compare=False)
 
     def times(self, visible: Float[Tensor, " n"]) -> AreaSpecular:
-        """The same, shadowed by visible shares (N,)."""
+        """A copy with its strength multiplied by visible shares (N,)."""
         return replace(self, strength=self.strength * visible)
 
     def lobe(self, roughness: Float[Tensor, "*varying"]) -> Float[Tensor, " n"]:
-        """Reflected radiance (N,) per unit of color, Fresnel aside, for a roughness () or (N,); kept until that changes."""
+        """Reflected radiance (N,) per unit of color, without Fresnel, for a roughness () or (N,); kept until the roughness changes."""
         if needs_gradient(roughness, self.strength, self.outline):
             return self._lobe(roughness)
         key = id(roughness) if roughness.dim() else float(roughness)
-        return self._lobes.of("", key, lambda: self._lobe(roughness))  # two: a base and a coat
+        return self._lobes.of("", key, lambda: self._lobe(roughness))  # `Recent` keeps two: base and coat
 
     def _lobe(self, roughness: Tensor) -> Tensor:
         alpha2 = (roughness * roughness).clamp_min(_LEAST_ALPHA) ** 2
@@ -60,9 +60,9 @@ class AreaSpecular(PointSet):
 def area_specular(
     lamp: LightSource, direct: DirectIrradiance, points: Vectors, normal: Vectors, view: Vectors
 ) -> AreaSpecular:
-    """The highlight of a lamp, unshadowed, at points (3, N) seen along `view` (3, N), towards the eye.
+    """The highlight of a light, unshadowed, at points (3, N) seen along `view` (3, N), towards the eye.
 
-    Half-vector terms are taken where the lamp's outline comes nearest to the mirror direction.
+    Half-vector terms are taken where the light's outline comes nearest to the mirror direction.
     """
     out = dot(normal, view).clamp_min(2e-2)
     sides = lamp.half_sides()
@@ -83,12 +83,12 @@ def area_specular(
 def _round_place(
     direct: DirectIrradiance, normal: Tensor, view: Tensor, out: Tensor
 ) -> tuple[Tensor, Tensor, Tensor]:
-    """A round lamp in slope space: outline; squared slope of its nearest point, and h.v there over h.n.
+    """A round light in slope space: outline (5, N), squared slope (N,) of its nearest point, and h.v / h.n (N,) there.
 
-    The flatter the surface is seen, the longer is the ellipse across the plane of reflection. The outline is: the
-    squared slope of its middle; its squared radius from there towards the mirror direction; the squared slope where
-    that meets the mirror direction at best; its squared area relative to a disc of that radius; and the sum of its
-    squared half axes.
+    Nearest means to the mirror direction. In slope space the light is an ellipse, which is longer across the plane of reflection
+    the flatter the surface is seen. The rows of the outline are: the squared slope of its middle; its squared radius from there
+    towards the mirror direction; the squared slope of its nearest point; its squared area relative to a disc of that radius; the
+    sum of its squared half axes.
     """
     half = unit(direct.toward + view, 1e-4)
     up = dot(half, normal).clamp_min(_LEAST_UP)
@@ -97,23 +97,23 @@ def _round_place(
     slope = squared.clamp_min(1e-8).sqrt()
     across, upwards = tangents(normal)
     x, y = dot(half, across) / up, dot(half, upwards) / up
-    # How the half vector's slope follows the edge of the lamp's disc, along two directions of that.
+    # Derivatives of the half vector's slope along two axes of the light's disc.
     sides = [
         ((dot(e, across) - x * dot(e, normal)), (dot(e, upwards) - y * dot(e, normal)))
         for e in tangents(direct.toward)
     ]
     scale = direct.solid_angle / (4 * math.pi * (aside * up) ** 2)
     xx, yy, xy = (scale * (sides[0][i] * sides[0][k] + sides[1][i] * sides[1][k]) for i, k in _PAIRS)
-    product = direct.solid_angle / (4 * math.pi * aside * up**3)  # of both half axes
+    product = direct.solid_angle / (4 * math.pi * aside * up**3)  # of the ellipse's half axes
     length2 = x * x + y * y
     head_on = length2 < 1e-8
     x, y = torch.where(head_on, slope, x), torch.where(head_on, 0.0, y)
     radius = product * slope * (yy * x * x - 2 * xy * x * y + xx * y * y).clamp_min(1e-20).rsqrt()
-    # Slopes are tangents: towards the normal they shrink.
+    # Slopes are tangents, so that the radius is smaller on the side of the normal.
     radius = radius / (1 + radius * slope / (1 + squared))
     radius2 = radius * radius
     nearest = (slope - radius).clamp_min(0.0)
-    along = (aside / up - out) / slope  # the view's component along the lamp's slope
+    along = (aside / up - out) / slope  # the view's component along the light's slope
     outline = torch.stack((squared, radius2, nearest * nearest, (product / radius2) ** 2, xx + yy))
     return outline, nearest * nearest, out + nearest * along
 
@@ -121,7 +121,7 @@ def _round_place(
 def _box_place(
     center: Tensor, sides: tuple[Tensor, Tensor], normal: Tensor, view: Tensor, out: Tensor
 ) -> tuple[Tensor, Tensor, Tensor]:
-    """The same for a rectangular lamp: an upright box through the middles of its sides."""
+    """As `_round_place` for a rectangular light: the outline (4, N) is a rectangle through the middles of the light's sides."""
     across, up = tangents(normal)
     u, v = sides
 
@@ -136,7 +136,7 @@ def _box_place(
     side = torch.where(e[0] * (top - bottom)[1] < e[1] * (top - bottom)[0], -1.0, 1.0)
     x0, x1 = (e[0] * p[0] + e[1] * p[1] for p in (left, right))
     y0, y1 = (side * (e[0] * p[1] - e[1] * p[0]) for p in (bottom, top))
-    # The box leans where the axes are not square: follow it at the height of the mirror direction.
+    # If the axes are not perpendicular, the box is shifted to fit at the height of the mirror direction.
     lean = (e[0] * (top - bottom)[0] + e[1] * (top - bottom)[1]) / (y1 - y0).clamp_min(1e-6)
     shift = lean.clamp(-2.0, 2.0) * ((y0 + y1) / 2).clamp(-1.0, 1.0)
     x0, x1 = x0 - shift, x1 - shift
@@ -148,10 +148,10 @@ def _box_place(
 
 
 def _ellipse(outline: Tensor, alpha2: Tensor) -> Tensor:
-    """The lobe's integral over an ellipse: exact around the mirror direction and far from it.
+    """Integral of the lobe over an ellipse: exact around the mirror direction and far from it.
 
-    In between that over the disc that reaches as far towards the mirror direction, times the part of the lobe's
-    width that it fills.
+    In between, it is the integral over a disc that reaches as far towards the mirror direction, times the share of the lobe's
+    width that the ellipse fills.
     """
     near = 1 + outline[2] / alpha2
     radius2, axes2 = outline[1] / alpha2, outline[4] / alpha2
@@ -160,9 +160,9 @@ def _ellipse(outline: Tensor, alpha2: Tensor) -> Tensor:
 
 
 def _disc(d: Tensor, a: Tensor) -> Tensor:
-    """The lobe's integral over a disc: the view factor of a parallel disc, written without cancellation.
+    """Integral of the lobe over a disc: the view factor of a parallel disc, written without cancellation.
 
-    `d` (N,) is the squared distance of its middle in units of the lobe's width, `a` (N,) the squared radius.
+    `d` (N,) is the squared distance of its middle from the mirror direction, `a` (N,) its squared radius, both over alpha².
     """
     total = 1 + d + a
     q = (total * total - 4 * a * d).clamp_min(1e-12).sqrt()
@@ -172,10 +172,10 @@ def _disc(d: Tensor, a: Tensor) -> Tensor:
 
 
 def _box(outline: Tensor, alpha2: Tensor) -> Tensor:
-    """The lobe's integral over a rectangle: the view factor of a parallel rectangle."""
+    """Integral of the lobe over a rectangle: the view factor of a parallel rectangle."""
     left, right, bottom, top = (outline * alpha2.rsqrt()).unbind(0)
     whole = _corner(right, top) - _corner(left, top) - _corner(right, bottom) + _corner(left, bottom)
-    # Far off the lobe the corners cancel: there the density at the middle is as good.
+    # Far from the lobe the corners' terms cancel: there, area times density at the middle is used.
     area = (right - left) * (top - bottom)
     x, y = (left + right) / 2, (bottom + top) / 2
     far = 1 + x * x + y * y
@@ -183,6 +183,6 @@ def _box(outline: Tensor, alpha2: Tensor) -> Tensor:
 
 
 def _corner(x: Tensor, y: Tensor) -> Tensor:
-    """Integral of the unit lobe from the origin to (x, y), over a quarter plane at most 1/4."""
+    """Integral of a lobe of width 1 over the rectangle from the origin to (x, y); a whole quadrant has 1/4."""
     p, q = (1 + x * x).rsqrt(), (1 + y * y).rsqrt()
     return (x * p * torch.atan(y * p) + y * q * torch.atan(x * q)) / (2 * math.pi)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Small glowing surfaces as lights: few random rays would hit them, and fog would not scatter their light.
 
-The surface of a material is cut into compact clusters, each of which shines like a point with an intensity that
-depends on the direction. What faces a direction w is the sum of a |n.w| / 2 and of a n.w / 2 over the areas `a` that
-can be seen from one side. The second sum is linear in w. The first is close to the root of a quadratic form with the
-same mean: exactly so for planes, spheres and cylinders.
+The surface of a material is cut into compact clusters. Each shines like a point with an intensity that depends on the direction:
+the area that faces a direction w. It is the sum of a |n.w| / 2 and of a n.w / 2 over areas `a` with normals n that emit to one
+side. The second sum is linear in w. The first is approximated by the root of a quadratic form with the same mean, which is exact
+for planes, spheres and cylinders.
 """
 
 import math
@@ -24,46 +24,46 @@ from .light_source import clipped_sphere
 from .light_types import PointLight
 from .shadows import k_means
 
-_LEAST = 0.25  # radiance from which a surface counts as a lamp; less is no brighter than what lamps light
+_LEAST = 0.25  # luminance from which a surface becomes a light; darker ones are no brighter than lit surfaces
 _POINTS = 4096
 _COUNTS, _MORE = tuple(range(1, 13)), (16, 24, 32, 48, 64)  # of clusters: more for scattered fairy lights
-_FINE, _COARSE = 1 / 30, 1 / 10  # radii in distances of the view: finer needs no cut, coarser is no point
-_ROUND = 0.6
+_FINE, _COARSE = 1 / 30, 1 / 10  # radii over viewing distance: smaller needs no cut, larger is no point
+_ROUND = 0.6  # least ratio of a round cluster's smallest variance to its largest
 
 
 @dataclass(frozen=True)
 class EmitterLight(PointLight):
-    """A part of a glowing surface, in place of a point light."""
+    """A part of a glowing surface, as a point light."""
 
-    form: Tensor  # (3, 3) symmetric: the root of w.form.w is how bright it is to unit vectors w and -w
-    lean: Tensor  # (3,) what it shines more to w than to -w, as a factor of w
+    form: Tensor  # (3, 3) symmetric: the root of w.form.w is the intensity that unit vectors w and -w share
+    lean: Tensor  # (3,) lean.w is added to that intensity along w, and subtracted along -w
 
     @property
     def owner(self) -> str:
-        """It is no light of the scene."""
+        """Always "": glowing surfaces are no light of the scene."""
         return ""
 
     @property
     def has_shadow_edges(self) -> bool:
-        """Surfaces do not move."""
+        """Always False: surfaces do not move."""
         return False
 
     def directivity(self, toward: Tensor, radius: Tensor | None = None) -> Tensor:
-        """Intensity (N,) back along unit vectors (3, N) to it, 1 on average."""
+        """Intensity (N,), 1 on average, towards points from which unit vectors (3, N) lead to the light."""
         way = -toward
         even = dot(way, self.form @ way).clamp_min(1e-12).sqrt()
         return (even + self.lean @ way).clamp_min(0.0)
 
     def surface_cosine(self, cosine: Tensor, sine2: Tensor) -> Tensor:
-        """Only its part above the horizon counts."""
+        """See `PointLight.surface_cosine`; only the light's part above the surface's horizon counts."""
         return clipped_sphere(cosine, sine2)
 
 
-EmitterCluster = tuple[EmitterLight, float]  # as a light of color 1; the power of one of radiance 1
+EmitterCluster = tuple[EmitterLight, float]  # light of color 1; its power if the surface has radiance 1
 
 
 class Emitters:
-    """Lights the scene with small bright surfaces, even if they fade; `near` is a typical distance in view, meters."""
+    """Lights that stand for small bright surfaces, and stay when the emission fades; `near` is a typical distance of what is seen, meters."""
 
     def __init__(self, geometry: RayGeometry, near: float) -> None:
         self._geometry, self._near = geometry, near
@@ -71,7 +71,7 @@ class Emitters:
 
     @property
     def materials(self) -> tuple[int, ...]:
-        """Indices of the materials whose light comes from lamps."""
+        """Indices of the materials whose emission lights stand for."""
         return tuple(m for m, clusters in self._clusters.items() if clusters)
 
     @property
@@ -90,7 +90,7 @@ class Emitters:
         return bool(new)
 
     def lamps(self, shading_inputs: Sequence[ShadingInputs]) -> list[EmitterLight]:
-        """All clusters as lamps, differentiable in emission."""
+        """All clusters as lights, differentiable in emission."""
         return [
             replace(lamp, color=shading_inputs[material].emission * power)
             for material, clusters in self._clusters.items()
@@ -99,7 +99,7 @@ class Emitters:
 
 
 def clusters_of(geometry: RayGeometry, material: int, near: float) -> list[EmitterCluster]:
-    """Cuts a material's surface into clusters; none where it is too large for that at a distance `near` in meters."""
+    """Cuts a material's surface into clusters; no clusters if it is too large for points at a viewing distance `near` in meters."""
     triangles = ((geometry.material == material) & geometry.visible_to("diffuse")).nonzero()[:, 0]
     if not len(triangles):
         return []
@@ -125,7 +125,7 @@ def clusters_of(geometry: RayGeometry, material: int, near: float) -> list[Emitt
 
 
 def _points(geometry: RayGeometry, triangles: Tensor) -> tuple[Tensor, Tensor, float]:
-    """Evenly spread points (3, P), the normals (3, P) of their triangles (F,), and the whole area."""
+    """Evenly spread points (3, P) on triangles with indices (F,), the triangles' normals (3, P) there, and their total area."""
     a, b, c = (geometry.corners[k, triangles].T for k in range(3))
     double = cross(b - a, c - a)
     areas = double.norm(dim=0) / 2
@@ -140,7 +140,7 @@ def _points(geometry: RayGeometry, triangles: Tensor) -> tuple[Tensor, Tensor, f
 
 
 def _open(geometry: RayGeometry, material: int, place: Tensor, side: Tensor) -> Tensor:
-    """(P,) 1 where light that leaves to a side does not meet the same material, else 0."""
+    """(P,) 1 where a random ray that leaves a point to the side of the unit vector `side` (3, P) misses the same material, else 0."""
     uv = torch.rand((2, place.shape[1]), generator=torch.Generator().manual_seed(4)).to(place.device)
     toward = cosine_directions(side, uv)
     hits = geometry.nearest(place + side * (1e-5 * geometry.size), toward, "diffuse")
@@ -154,7 +154,10 @@ def _radius(place: Tensor) -> Tensor:
 
 
 def _blob(place: Tensor, sides: Tensor) -> Tensor:
-    """True if points (3, n) are a round and closed surface: as good as a sphere at any distance."""
+    """True if points (3, n) are a round and closed surface, which looks like a sphere from any distance.
+
+    `sides` (n,) is how many sides of the surface are open at each point.
+    """
     if place.shape[1] < 4:
         return torch.tensor(False, device=place.device)
     spread = torch.linalg.eigvalsh(torch.cov(place))
@@ -164,7 +167,7 @@ def _blob(place: Tensor, sides: Tensor) -> Tensor:
 def _cluster(
     place: Tensor, normal: Tensor, outside: Tensor, inside: Tensor, area: float, material: int, number: int
 ) -> EmitterCluster:
-    """From points (3, n) with normals, seen from outside and inside (n,), that stand for an area each."""
+    """A cluster from n points and their normals (3, n), openness (n,) of their two sides (1 open, 0 not), and the area of each, m²."""
     even, odd = (outside + inside) / 2 * area, (outside - inside) / 2 * area
     whole = float(even.sum())
     form = (normal * even) @ normal.T / max(whole, 1e-20)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The world as a light: radiance by direction, sharp or blurred, irradiance, and its suns.
 
-Head on, a GGX lobe of reflected light is round. The flatter a surface is seen, the narrower the lobe becomes across
-the plane in which light is reflected, while it stays as long along that plane and leans away from the surface: a lamp
-on the horizon draws an upright streak in a floor. A few round lobes one above the other stand for such a lobe, as in
-filtered importance sampling (Krivanek and Colbert 2008), here with directions that stay the same.
+A GGX lobe of reflected light is round if the surface is seen head on. At grazing angles the lobe becomes narrow across the plane
+of reflection, keeps its length along that plane, and tilts away from the surface: a light on the horizon makes an upright streak
+on a floor. A few round lobes, one above the other in that plane, approximate the long lobe, as in filtered importance sampling
+(Krivanek and Colbert 2008), here with fixed directions.
 """
 
 import functools
@@ -26,26 +26,26 @@ from .environment_suns import EnvironmentSun, EnvironmentSunLight, split
 
 _ROUGH_HEIGHT = 48
 _SHARP_HEIGHT = 512
-_SOFT = 0.5  # roughness that the world is blurred by where a few directions stand for all
+_SOFT = 0.5  # roughness by which the world is blurred where only few directions are looked up
 SATIN, GLOSSY = 0.2, 0.4  # roughness of reflections between the mirror image and the diffuse light
-_FIRST_BLUR, _BLUR_STEP, _BLURS = 0.1, 0.1, 6  # roughness of the blurred pictures
+_FIRST_BLUR, _BLUR_STEP, _BLURS = 0.1, 0.1, 6  # roughness of the first blurred image, step, number
 _BLURRED_HEIGHT = 96
 _ROUGH = 0.3  # roughness from which lobes are so long that they need more parts
-_TAP_SIDE = 64
-_NARROWEST = 0.25  # least width of a round lobe relative to the whole's length: narrower ones show singly
+_TAP_SIDE = 64  # squared: microfacet normals per integral
+_NARROWEST = 0.25  # least width of a round lobe over the long lobe's length: narrower ones are visible singly
 
 
 class Environment:
-    """The constant part of the world: its picture, prepared for look-ups.
+    """The constant part of the world: its image, prepared for look-ups.
 
     Attributes:
-        whole: The picture (1, 3, H, W), one more column at both sides; None for a plain color.
-        backdrop: The same as the camera sees it; None for a plain color.
-        sharp: The same without the suns that are not wide.
-        blurred: Copies of that, blurred to several degrees: see `blurred_stack`.
-        suns: Its bright parts, which `soft` and `harmonics` are without.
+        whole: The image (1, 3, H, W + 2), with a wrapped column at both sides; None for a plain color.
+        backdrop: The image that the camera sees, likewise; None for a plain color.
+        sharp: `whole` without narrow suns.
+        blurred: Copies of `sharp`, blurred to several degrees: see `blurred_stack`.
+        suns: The bright parts of the image, which `soft` and `harmonics` are without.
         soft: A blurred copy.
-        hidden: Kinds of rays that do not meet it.
+        hidden: Kinds of rays that do not meet the world.
         harmonics: (9, 3) spherical harmonics of the radiance; a plain color has only the first.
     """
 
@@ -80,31 +80,31 @@ class Sky:
 
     environment: Environment  # its constant part
     color: Tensor  # (3,) color or tint, times strength
-    turn: Tensor  # () rotation of the picture around the vertical, radians
+    turn: Tensor  # () rotation of the image around the vertical, radians
     backdrop_color: Tensor  # (3,) the same as `color` for what the camera sees
     backdrop_turn: Tensor  # () likewise
     horizon: Tensor | None = None  # (3,) tint at the horizon, which fades towards the top; None for none
 
     @property
     def plain(self) -> bool:
-        """True if it looks the same everywhere."""
+        """True if the world has one color in all directions."""
         return self.environment.whole is None
 
     def reaches(self, ray: str) -> bool:
-        """True if a kind of rays meets it."""
+        """True if a kind of rays meets the world."""
         return ray not in self.environment.hidden
 
     @property
     def pictured(self) -> bool:
-        """True if what a direction sees, or the camera there, depends on the direction."""
+        """True if the world's light, or what the camera sees of the world, depends on the direction."""
         return not self.plain or self.environment.backdrop is not None
 
     def signature(self) -> tuple[float, ...]:
-        """Numbers that change when what a direction sees does, color and strength aside."""
+        """Numbers that change when the uncolored radiance in any direction does."""
         return () if self.plain else (float(self.turn.detach()),)
 
     def mirror(self, toward: Tensor) -> Tensor:
-        """Uncolored radiance (3, N) in unit directions (3, N), as mirrors show it next to highlights."""
+        """Uncolored radiance (3, N) in unit directions (3, N) without narrow suns, which mirrors show as highlights."""
         return self._radiance(self.environment.sharp, toward, self.turn)
 
     def soft(self, toward: Tensor) -> Tensor:
@@ -112,7 +112,10 @@ class Sky:
         return self._radiance(self.environment.soft, toward, self.turn)
 
     def reflected(self, mirrored: Tensor, normal: Tensor, view: Tensor, roughness: float) -> Tensor:
-        """Uncolored radiance (3, N) that a rough surface reflects of the world, by the view's albedo basis (7, N)."""
+        """Uncolored radiance (3, N) of the world that a rough surface reflects.
+
+        `mirrored` and `normal` (3, N) are unit vectors, `view` (7, N) is the albedo basis at the viewing cosine.
+        """
         if self.plain:
             return torch.ones_like(mirrored)
         leans, widths = torch.einsum("pkb,bn->pkn", taps(roughness).to(view), view)
@@ -132,7 +135,7 @@ class Sky:
         return self._radiance(self.environment.backdrop, toward, self.backdrop_turn)
 
     def backdrop_tint(self, height: Tensor) -> Tensor:
-        """(3, N) what `backdrop` is multiplied by at heights (N,) in the image, 0 at the bottom and 1 at the top."""
+        """Color (3, N) that multiplies `backdrop` at heights (N,) in the image, 0 at the bottom and 1 at the top."""
         if self.horizon is None:
             return self.backdrop_color[:, None]
         share = ((height - self.environment.horizon) / (1.0 - self.environment.horizon)).clamp(0.0, 1.0)
@@ -141,7 +144,7 @@ class Sky:
         return self.backdrop_color[:, None] * tint
 
     def _radiance(self, picture: Tensor | None, toward: Tensor, turn: Tensor) -> Tensor:
-        """Radiance (3, N) of a turned picture in directions (3, N); 1 where there is none."""
+        """Radiance (3, N) of a turned image in directions (3, N); 1 if there is no image."""
         if picture is None or not picture.numel():
             return torch.ones_like(toward)
         width = picture.shape[-1] - 2
@@ -151,7 +154,7 @@ class Sky:
 
     @property
     def lamps(self) -> list[EnvironmentSunLight]:
-        """The suns in its picture."""
+        """The suns of the world's image, as lights."""
         hidden = self.environment.hidden
         return [sun.lamp(i, self.color, self.turn, hidden) for i, sun in enumerate(self.environment.suns)]
 
@@ -168,7 +171,7 @@ class Sky:
 
     @property
     def hemispheres(self) -> Tensor:
-        """(2, 3) light of the world on what faces up and down: irradiance over pi (Ramamoorthi and Hanrahan 2001)."""
+        """(2, 3) irradiance from the world, over pi, on surfaces that face up and down (Ramamoorthi and Hanrahan 2001)."""
         h = self.environment.harmonics * self.color * self.reaches("diffuse")
         even, odd = 0.282095 * h[0] + 0.315392 * 2 / 4 * h[6], 0.488603 * 2 / 3 * h[2]
         return torch.stack((even + odd, even - odd)).clamp_min(0.0)
@@ -180,7 +183,7 @@ def has_own_backdrop(scene: SceneData) -> bool:
 
 
 def _shares_picture(scene: SceneData) -> bool:
-    """True if the camera sees the picture that lights, turned as it is."""
+    """True if the camera sees the same image that lights the scene, with the same rotation."""
     tinted = not has_own_backdrop(scene) or "world/backdrop_tint" in scene.instances
     return scene.world.backdrop is None and tinted
 
@@ -216,7 +219,7 @@ def harmonics(toward: Tensor) -> Tensor:
 
 
 def _place(toward: Tensor, turn: Tensor) -> Tensor:
-    """Blender's equirectangular mapping of directions that are turned: (1, 1, N, 2) for grid_sample."""
+    """Places (1, 1, N, 2) for `grid_sample` of directions (3, N), turned by `turn` (): Blender's equirectangular mapping."""
     x, y, z = toward.unbind(0)
     across = (x * x + y * y).clamp_min(1e-12)
     angle = torch.atan2(y, torch.where(across > 1e-11, x, x + 1e-5)) + turn
@@ -227,7 +230,7 @@ def _place(toward: Tensor, turn: Tensor) -> Tensor:
 
 
 def _sharp(image: np.ndarray, device: torch.device) -> Tensor:
-    """An equirectangular picture (H, W, 3) as (1, 3, h, w), no larger than is of use."""
+    """An equirectangular image (H, W, 3) as (1, 3, h, w), downsampled if it has more than `_SHARP_HEIGHT` rows."""
     picture = torch.from_numpy(image).to(device).permute(2, 0, 1)[None]
     size = (min(_SHARP_HEIGHT, picture.shape[2]), min(2 * _SHARP_HEIGHT, picture.shape[3]))
     return interpolate(picture, size, mode="area")
@@ -239,7 +242,7 @@ def _padded(picture: Tensor) -> Tensor:
 
 
 def blurred_stack(picture: Tensor) -> Tensor:
-    """Blurred pictures (1, 3, L, H, W + 2), wrapped at both sides, of an equirectangular one (1, 3, H, W)."""
+    """L blurred copies (1, 3, L, H, W + 2) of an equirectangular image (1, 3, H, W), with wrapped columns at both sides."""
     height = min(_BLURRED_HEIGHT, picture.shape[2])
     small = interpolate(picture, (height, 2 * height), mode="area")[0]
     levels = torch.stack([blurred(small, _FIRST_BLUR + _BLUR_STEP * level) for level in range(_BLURS)], 1)
@@ -247,10 +250,10 @@ def blurred_stack(picture: Tensor) -> Tensor:
 
 
 def blurred(picture: Tensor, roughness: float) -> Tensor:
-    """A picture (3, H, 2H) averaged over the reflected GGX lobe seen head on (n = v = r).
+    """An image (3, H, 2H) averaged over the reflected GGX lobe seen head on (n = v = r).
 
-    The lobe depends on two rows and on the distance between two columns: in a Fourier series along the rows, the
-    average is a product.
+    The lobe's weight depends on the two rows and on the distance between the two columns. Along rows, the average is therefore a
+    convolution: a product of Fourier series.
     """
     height, width = picture.shape[1:]
     elevation = ((torch.arange(height, device=picture.device) + 0.5) / height - 0.5) * math.pi
@@ -265,21 +268,21 @@ def blurred(picture: Tensor, roughness: float) -> Tensor:
 
 
 def look_up_blurred(stack_: Tensor, place: Tensor, roughness: Tensor) -> Tensor:
-    """Radiance (3, N) of round lobes of a roughness (N,), from a `blurred_stack` at places (N, 2) in [-1, 1], across and up."""
+    """Radiance (3, N) averaged over round lobes of a roughness (N,), from a `blurred_stack`; places (N, 2) in [-1, 1] are across and up."""
     height, width = stack_.shape[3], stack_.shape[4] - 2
     level = (roughness - _FIRST_BLUR) / (_BLUR_STEP * (_BLURS - 1) / 2) - 1
     x, y = place.unbind(1)
-    # `trilinear` counts from the middles of the outermost texels.
+    # In `trilinear`, -1 and 1 are the middles of the outermost texels.
     where = torch.stack((x * (width / (width + 1)), y * (height / max(height - 1, 1)), level), 1)
     return trilinear(stack_, where)
 
 
 @functools.cache
 def taps(roughness: float) -> Tensor:
-    """The K round lobes that stand for one stretched lobe of a roughness.
+    """The K round lobes that approximate the long lobe of a roughness (see the module's docstring).
 
-    Coefficients (2, K, 7) over `albedo.basis` of the viewer's cosine: how far each leans from the mirror direction towards the
-    normal (tangent, in sines of the viewer's angle), and its roughness.
+    Coefficients (2, K, 7) over `albedo.basis` of the viewer's cosine. The first row is each round lobe's tilt from the mirror
+    direction towards the normal: its tangent, divided by the sine of the viewer's angle. The second is its roughness.
     """
     count = 2 if roughness < _ROUGH else 4
     rows = [_taps(c, roughness**2, count) for c in albedo.COSINES]
@@ -287,7 +290,7 @@ def taps(roughness: float) -> Tensor:
 
 
 def _taps(cosine: float, alpha: float, count: int) -> Tensor:
-    """The same for one angle: (2, K)."""
+    """Tilt and roughness (2, K) of the lobes of `taps` for one cosine of the viewer; `alpha` is the squared roughness of the long lobe."""
     grid = (torch.arange(_TAP_SIDE) + 0.5) / _TAP_SIDE
     uv = torch.stack(torch.meshgrid(grid, grid, indexing="ij")).flatten(1)
     viewer = torch.full_like(uv[0], min(cosine, 0.999))
@@ -297,17 +300,17 @@ def _taps(cosine: float, alpha: float, count: int) -> Tensor:
     lean = torch.atan2(viewer * toward[0] + sine * toward[2], viewer * toward[2] - sine * toward[0])
     order = lean.argsort()
     lean, weight, aside = lean[order], weight[order], toward[1].abs().asin()[order]
-    # As many parts as there are round lobes, one above the other, each with the same light.
+    # The long lobe is cut into parts with the same light, one above the other: one per round lobe.
     part = ((weight.cumsum(0) - weight / 2) * (count / weight.sum())).long().clamp_max(count - 1)
     parts = [part == k for k in range(count)]
     middle = torch.stack([(lean[p] * weight[p]).sum() / weight[p].sum() for p in parts])
     width = torch.stack([_median(aside[p], weight[p]) for p in parts])
     length = _median((lean - _median(lean, weight)).abs(), weight)
     width = torch.maximum(width, _NARROWEST * length)
-    # Each is as long as it is wide: they lie closer together than the parts do.
+    # A round lobe is as long as it is wide, so that the lobes' middles are closer together than the parts'.
     center = middle.mean()
     middle = center + (middle - center) * (1 - (width.mean() / length) ** 2).clamp_min(0.0).sqrt()
-    # Half of a GGX lobe of slopes lies within alpha / sqrt(3) of a line through its middle.
+    # In slopes, half of a GGX lobe lies within alpha / sqrt(3) of a line through its middle.
     round_ = (math.sqrt(3) * (width / 2).tan()).sqrt()
     return torch.stack((middle.clamp_max(1.4).tan() / sine[0], round_))
 

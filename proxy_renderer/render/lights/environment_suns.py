@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Suns in a picture of the world: its small bright parts, taken out and treated as lamps, so that shadows are sharp.
+"""Suns of an environment image: its small bright parts, taken out and treated as lights, so that their shadows are sharp.
 
-Cycles samples an environment by importance. Visible shadows come from small bright parts of it: a window, a lamp, the
-sun. The rest stays smooth light from all around.
+Cycles samples an environment by importance. Its visible shadows come from small bright parts: a window, a light, the sun. The
+rest stays smooth light from all around.
 """
 
 import math
@@ -18,37 +18,37 @@ from ...schema.orbit import IDENTITY
 from ..geometry.vectors import tangents, texels
 from .light_types import SunLight
 
-_MOST, _TRIED = 3, 6
-_REGION = 0.25  # brightness of a sun's texels relative to the brightest one that they lie around
+_MOST, _TRIED = 3, 6  # number of suns at most, and of candidates
+_REGION = 0.25  # least brightness of a sun's texels, relative to its brightest one
 _WIDE = math.radians(12.0)  # diameter from which a sun is too large to pass for a disc in a mirror
-_LEAST_SHARE = 0.12  # least irradiance of a sun in parts of a surface's from the whole world
+_LEAST_SHARE = 0.12  # least irradiance from a sun over that from an even world of the same mean radiance
 _LEAST_CONTRAST = 3.0  # least radiance of a sun, as a disc, relative to the mean of the world
 _RADII = (3.0, 6.0, 12.0, 20.0)  # degrees around a peak within which a sun may lie
-_MOST_OF = 0.8
+_MOST_OF = 0.8  # share of the light around a peak that a sun's radius contains
 _SEARCH_HEIGHT = 128
 
 
 @dataclass(frozen=True)
 class EnvironmentSunLight(SunLight):
-    """A bright part of the world's picture, in place of a sun."""
+    """A bright part of the world's image, as a sun light."""
 
     @property
     def owner(self) -> str:
-        """The world."""
+        """Always "world"."""
         return "world"
 
 
 @dataclass(frozen=True)
 class EnvironmentSun:
-    """A bright part of a picture."""
+    """A bright part of an image, as a disc."""
 
-    toward: Tensor  # (3,) unit vector to it, before the picture is turned
-    color: Tensor  # (3,) irradiance of a surface that faces it, above its surroundings'
+    toward: Tensor  # (3,) unit vector to it, before the image is turned
+    color: Tensor  # (3,) irradiance on a surface that faces it, without that from its surroundings' level
     angle: float  # its diameter in radians, as a disc
 
     @property
     def wide(self) -> bool:
-        """True if reflections show its picture, not the highlight of a disc."""
+        """True if reflections show the sun as a part of the image, not as the highlight of a disc."""
         return self.angle > _WIDE
 
     def lamp(
@@ -66,7 +66,7 @@ class EnvironmentSun:
 
 
 def split(picture: Tensor) -> tuple[Tensor, Tensor, list[EnvironmentSun]]:
-    """Splits an equirectangular picture (1, 3, H, W): without narrow suns, without any, and the suns, the wide ones last."""
+    """Splits an equirectangular image (1, 3, H, W): the image without narrow suns, without any sun, and the suns, the wide ones last."""
     height = min(_SEARCH_HEIGHT, picture.shape[2])
     small = interpolate(picture, (height, 2 * height), mode="area")[0].flatten(1)
     toward, solid = texels(height, 2 * height, picture.device)
@@ -93,13 +93,13 @@ def split(picture: Tensor) -> tuple[Tensor, Tensor, list[EnvironmentSun]]:
 
 
 def _counts(sun: EnvironmentSun, light: float, mean: float) -> bool:
-    """True if a sun's irradiance is worth a lamp in a world of this mean radiance."""
+    """True if a sun's irradiance is worth a light in a world of this mean radiance."""
     radiance = light / (math.pi * max(sun.angle / 2, 1e-4) ** 2)
     return light > _LEAST_SHARE * math.pi * mean and radiance > _LEAST_CONTRAST * mean
 
 
 def _middle(light: Tensor, toward: Tensor, solid: Tensor) -> Tensor:
-    """Direction (3,) of the middle of the bright region (T,) around the brightest texel."""
+    """Direction (3,) to the middle of the bright region around the brightest of T texels."""
     height = round(math.sqrt(len(light) / 2))
     brightest = int(light.argmax())
     bright = light >= light[brightest] * _REGION
@@ -119,7 +119,7 @@ def _middle(light: Tensor, toward: Tensor, solid: Tensor) -> Tensor:
 def _extent(
     small: Tensor, toward: Tensor, solid: Tensor, peak: Tensor, weights: Tensor
 ) -> tuple[float, Tensor]:
-    """Cosine of the least radius around a peak that holds most of its light, and the level (3,) around that."""
+    """Cosine of the least radius in `_RADII` that contains most of a peak's light, and the color (3,) of the ring around it."""
     candidates = []
     for degrees in _RADII:
         radius = math.cos(math.radians(degrees))
@@ -134,13 +134,13 @@ def _extent(
 
 
 def _excess(picture: Tensor, toward: Tensor, peak: Tensor, radius: float, level: Tensor) -> Tensor:
-    """Light (3, T) above a level (3,) close to a peak."""
+    """Light (3, T) of texels above a level (3,), around a peak; 0 for texels outside the radius, which is given as a cosine."""
     near = (peak @ toward > radius).to(picture.dtype)
     return (picture - level[:, None]).clamp_min(0.0) * near
 
 
 def _sun(color: Tensor, light: Tensor, toward: Tensor) -> EnvironmentSun:
-    """From the luminous irradiance (T,) of texels: its centroid, and the disc of the same second moment."""
+    """A sun of irradiance `color` (3,): the disc with centroid and second moment of the texels' luminous irradiance `light` (T,)."""
     center = toward @ light
     center = center / center.norm()
     cosine = (center @ toward).clamp(-1.0, 1.0)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The interface of all types of light, and what lights with a position have in common.
 
-Formulas follow Cycles (kernel/light, scene/light.cpp). Irradiance and intensity are per unit of `LightSource.color`:
-whatever is geometric stays the same while only power, color or temperature change.
+Formulas follow Cycles (kernel/light, scene/light.cpp). Irradiance and intensity are per unit of `LightSource.color`, so that they
+stay the same while only power, color or temperature change.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ..geometry.vectors import PointSet, dot, tangents, within
 
 Vectors = Float[Tensor, "3 n"]
 Numbers = Float[Tensor, " n"]
-POINT_RADIUS = 1e-3  # radians, least of a light: a true point would have no highlight in a mirror
+POINT_RADIUS = 1e-3  # least angular radius of a light, radians: points have no highlight in a mirror
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class DirectIrradiance(PointSet):
 class SegmentLight:
     """Light that reaches the S segments of rays from one light, unshadowed, per unit of its color."""
 
-    points: Float[Tensor, "3 ..."]  # (3, S · parts, …) where the middle of the light arrives
+    points: Float[Tensor, "3 ..."]  # (3, S · parts, …) points that halve the light of each part
     toward: Float[Tensor, "3 ..."]  # (3, S · parts, …) unit vectors from there to the light
     distance: Float[Tensor, "*n"]  # (S · parts, …) to the light in meters; infinite for suns
     irradiance: Float[Tensor, "*n"]  # (S · parts, …) mean over a part, on a surface that faces the light
@@ -57,13 +57,13 @@ class LightSource(ABC):
     color: Float[Tensor, " 3"]  # (3,) power or strength times color, temperature and exposure
     position: Float[Tensor, " 3"]  # (3,) in meters; for suns the pivot, which nothing depends on
     axes: Float[Tensor, "3 3"]  # (3, 3) columns x, y, z of the light; it shines along -z
-    size: Float[Tensor, ""]  # () as `read_size` has it
-    pictured: bool = field(default=False, kw_only=True)  # reflections show its image: it has no highlight
-    shadowless: int = field(default=-1, kw_only=True)  # material without shadows in its light; -1 for none
+    size: Float[Tensor, ""]  # () radius, width or angle, see `read_size`
+    pictured: bool = field(default=False, kw_only=True)  # whether reflections show its image, not a highlight
+    shadowless: int = field(default=-1, kw_only=True)  # material without a shadow in its light; -1 for none
 
     energy_name: ClassVar[str] = "power"  # the parameter of its energy: "power" in watts, "strength" in W/m²
     at_infinity: ClassVar[bool] = False  # whether all its light comes from one direction, with no distance
-    segment_parts: ClassVar[int] = 1  # in how many parts a segment of fog in its light is looked at
+    segment_parts: ClassVar[int] = 1  # number of parts that a segment of fog has for its light
 
     @classmethod
     def of(cls, light: Light, scene: SceneData, values: RenderValues) -> Self:
@@ -107,23 +107,23 @@ class LightSource(ABC):
 
     @abstractmethod
     def in_scattering(self, segments: RaySegments, parts: int) -> SegmentLight:
-        """Unshadowed light that fog gets along rays, each segment looked at in some parts, where it matters."""
+        """Unshadowed light that reaches fog along rays; segments are divided into `parts` where the light varies along them."""
 
     def half_sides(self) -> tuple[Float[Tensor, "3 1"], Float[Tensor, "3 1"]] | None:
         """Half the sides, (3, 1) each, of a rectangular outline; None for a round one."""
         return None
 
     def lights(self, objects: Int[Tensor, " n"]) -> Bool[Tensor, " n"]:
-        """(N,) bool: surfaces of objects (N,) that get its light; light linking may leave some out."""
+        """(N,) bool: surfaces that get its light, by their objects (N,); light linking may leave some out."""
         return ~torch.isin(objects, objects.new_tensor(self.light.unlit))
 
     def reaches(self, ray: str) -> bool:
-        """True if a kind of surfaces' rays meets it."""
+        """True if surfaces' rays of a kind, such as "glossy", meet the light."""
         return ray not in self.light.hidden
 
     @property
     def owner(self) -> str:
-        """Whose parameters its color depends on: "light/NAME" or "world"; "" for what surfaces emit."""
+        """Owner of the parameters that its color depends on: "light/NAME" or "world"; "" for what surfaces emit."""
         return f"light/{self.light.name}"
 
     @property
@@ -151,7 +151,7 @@ class LightSource(ABC):
         return tuple(torch.cat([part.detach().flatten() for part in self.placement.values()]).tolist())
 
     def has_rays_of(self, other: LightSource | None) -> bool:
-        """True if rays to its middle are those to another's: it may differ in size and color."""
+        """True if rays to its center are the same as those to another light's; size and color may differ."""
         return other is not None and self.position.equal(other.position) and self.axes.equal(other.axes)
 
     def detached(self) -> Self:
@@ -169,7 +169,7 @@ def offsets(position: Tensor, points: Tensor) -> tuple[Tensor, Tensor, Tensor]:
 
 
 def disc_offsets(toward: Tensor, solid_angle: Tensor, uv: Tensor) -> Tensor:
-    """Offsets (3, N) over a disc of a solid angle (N,) at distance 1 that faces a point, from its middle."""
+    """Offsets (3, N) from the middle of a disc to points `uv` (2, N) on it; it faces the lit point at distance 1 and fills a solid angle (N,)."""
     radius, angle = uv[0].sqrt(), 2 * math.pi * uv[1]
     x, y = radius * angle.cos(), radius * angle.sin()
     across, up = tangents(toward)
@@ -177,10 +177,11 @@ def disc_offsets(toward: Tensor, solid_angle: Tensor, uv: Tensor) -> Tensor:
 
 
 def clipped_sphere(cosine: Tensor, sine2: Tensor) -> Tensor:
-    """Cosine-weighted part of a sphere above the horizon, relative to the unclipped vector flux, by its squared angular sine (N,).
+    """Cosine (N,) by which a sphere lights a surface if only its part above the surface's horizon counts.
 
-    It is the cosine (N,) between the normal and the sphere's middle where the sphere is fully above the horizon, 0 where it is
-    below, and in between a smooth blend that meets both ends with the right slope (Hill and Heitz, "Real-Time Area Lighting", 2016).
+    `cosine` (N,) is that between the normal and the sphere's middle, `sine2` (N,) the squared sine of the sphere's angular
+    radius. The result is `cosine` where the sphere is fully above the horizon, 0 where it is below, and in between a smooth blend
+    that meets both ends with the right slope (Hill and Heitz, "Real-Time Area Lighting", 2016).
     """
     sine = sine2.clamp_min(1e-8).sqrt()
     t = (cosine / sine).clamp(-1.0, 1.0)
@@ -196,11 +197,15 @@ def equiangular(
     parts: int,
     intensity: Callable[[Tensor], Tensor],
 ) -> SegmentLight:
-    """Light of a place (3,) along rays, analytically (equiangular sampling: Kulla and Fajardo 2012).
+    """Light from a place (3,) along rays, integrated analytically (equiangular sampling: Kulla and Fajardo 2012).
 
-    Parts of a segment subtend the same angle at the light, and so count the same. By the softness, in meters, the light is at
-    least off the ray: about what averaging over its size does. `back` (3,) points away from where a flat light shines, None shines
-    to all sides; the intensity (n,) is that back along unit vectors (3, n) to the light.
+    The parts of a segment subtend equal angles at the light, and so get equal light.
+
+    Args:
+        softness: () meters, added to the ray's distance from the light as a root sum of squares: about the effect of averaging
+            over the light's size.
+        back: (3,) opposite of the direction in which a flat light shines; None for a light that shines to all sides.
+        intensity: Maps unit vectors (3, n) to the light to its intensity (n,) in the opposite directions.
     """
     to_light = position.view(3, 1, 1) - segments.start
     closest = (to_light * segments.toward).sum(0)
@@ -222,7 +227,7 @@ def equiangular(
 
 
 def _lit_cuts(segments: RaySegments, position: Tensor, back: Tensor) -> Tensor:
-    """The segments' ends (S + 1, …), those behind a flat light moved to its plane: it shines to one side only."""
+    """The segments' ends (S + 1, …); those behind a flat light, which shines to one side only, are moved to its plane."""
     z = back.view(3, 1, 1)
     before = (z * (position.view(3, 1, 1) - segments.start)).sum(0)
     slope = (z * segments.toward).sum(0)

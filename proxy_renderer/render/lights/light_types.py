@@ -29,22 +29,22 @@ from .light_source import (
     offsets,
 )
 
-_SOFT_RIM = 0.01  # radius of a spot, seen from a point, above which its cone's rim is averaged
+_SOFT_RIM = 0.01  # radius of a spot over its distance from which its cone's rim is averaged over the light
 _RIM_POINTS = 9
 _CORNERS = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))
 _GAUSS = ((-0.861136, 0.173927), (-0.339981, 0.326073), (0.339981, 0.326073), (0.861136, 0.173927))
-"""Places in [-1, 1] and weights of Gauss and Legendre's rule."""
+"""Places in [-1, 1] and weights, whose sum is 1, of Gauss-Legendre quadrature."""
 
 
 @dataclass(frozen=True)
 class PointLight(LightSource):
-    """A sphere of some radius; its energy is its power in watts."""
+    """A sphere of radius `size`; its energy is its power in watts."""
 
     def irradiance(self, points: Vectors, normals: Vectors) -> DirectIrradiance:
         """Power / (4 pi d^2), which Blender's soft falloff (its default) lowers near large lights.
 
-        With it Cycles takes the light for a disc that faces the point, whose view factor is r^2 / (d^2 + r^2);
-        without it for a sphere, whose view factor from outside is r^2 / d^2 (kernel/light/point.h).
+        With soft falloff, Cycles takes the light for a disc that faces the point, whose view factor is r^2 / (d^2 + r^2). Without
+        it, Cycles takes the light for a sphere, whose view factor from outside is r^2 / d^2 (kernel/light/point.h).
         """
         toward, distance, squared = offsets(self.position, points)
         near2 = self.size * self.size
@@ -60,11 +60,17 @@ class PointLight(LightSource):
         return DirectIrradiance(toward, distance, frontal * cosine, frontal, solid)
 
     def directivity(self, toward: Vectors, radius: Numbers | None = None) -> Numbers:
-        """Light (N,) in directions (3, N), relative to an even light; its radius (N,) is a tangent, None for a small one."""
+        """Intensity (N,) relative to an even light, towards points from which unit vectors (3, N) lead to the light.
+
+        `radius` (N,) is the light's radius over its distance; None for a small light.
+        """
         return torch.ones_like(toward[0])
 
     def surface_cosine(self, cosine: Numbers, sine2: Numbers) -> Numbers:
-        """Cosine (N,) by which a surface is lit, from that of its center and its squared angular radius `sine2` (N,)."""
+        """Factor (N,) that a surface's angle to the light has in the irradiance.
+
+        From the cosine (N,) at the light's center, and the squared sine `sine2` (N,) of the light's angular radius.
+        """
         return cosine
 
     def shadow_targets(self, direct: DirectIrradiance, uv: Float[Tensor, "2 n"]) -> tuple[Vectors, Numbers]:
@@ -88,7 +94,7 @@ class PointLight(LightSource):
 class SpotLight(PointLight):
     """A point light that shines into a cone; inside it is as bright as a point light of the same power."""
 
-    # () full opening angle, radians; that of the scene's record where none is given
+    # () full opening angle, radians; by default that of `light`
     cone: Float[Tensor, ""] = field(default_factory=lambda: torch.tensor(math.nan))
     segment_parts: ClassVar[int] = 4  # its cone has an edge
 
@@ -108,13 +114,11 @@ class SpotLight(PointLight):
         return {**super().placement, "cone": self.cone}
 
     def directivity(self, toward: Vectors, radius: Numbers | None = None) -> Numbers:
-        """Blender's smoothstep between the cone's rim and its blend.
+        """Blender's smoothstep from the cone's rim inwards; arguments and result: see `PointLight.directivity`.
 
-        Cycles evaluates it at the point of the light that it has sampled: a large light has a soft rim. The mean over
-        the disc that faces a point needs only the offsets across the rim, which Gauss and Chebyshev's rule of the
-        second kind weighs as a disc does.
-
-        Args and returns are those of `PointLight.directivity`.
+        Cycles evaluates the smoothstep at a sampled point of the light, so that a large light has a soft rim. Here it is averaged
+        over the disc that faces the lit point. Only offsets across the rim matter: Gauss-Chebyshev quadrature of the second kind
+        weights them as a disc does.
         """
         edge = torch.cos(self.cone / 2)
         slope = 1.0 / ((1.0 - edge) * self.light.spot_blend).clamp_min(1e-5)
@@ -147,7 +151,7 @@ class AreaLight(LightSource):
 
     @property
     def focused(self) -> bool:
-        """True if it shines into a narrower cone than a plain one."""
+        """True if its light is narrower than a hemisphere (Blender's spread below 180 degrees)."""
         return self.light.spread / 2 <= math.pi / 2 - 1e-3
 
     @property
@@ -201,7 +205,7 @@ class AreaLight(LightSource):
         return facing * self.spread(facing) * ((1.0 if self.light.normalize else self.area) / math.pi)
 
     def spread(self, facing: Numbers) -> Numbers:
-        """Cycles' attenuation (N,) of a focused light, by the cosine (N,) to a point of it."""
+        """Cycles' attenuation (N,) by the spread, from the cosine (N,) between the light's normal and the way to a lit point."""
         if not self.focused:
             return torch.ones_like(facing)
         half = max(self.light.spread / 2, 1e-2)
@@ -210,7 +214,7 @@ class AreaLight(LightSource):
         return ((tangent - angle) / (tangent - half)).clamp_min(0.0)
 
     def _mean_spread(self, points: Tensor) -> Tensor:
-        """The same (N,), averaged over the light as points (3, N) see its parts."""
+        """`spread` (N,) averaged over the light, weighted by the solid angle of each part at points (3, N)."""
         u, v = self.half_axes()
         total, weight = torch.zeros_like(points[0]), torch.full_like(points[0], 1e-12)
         for x, share_x in _GAUSS:
@@ -223,7 +227,7 @@ class AreaLight(LightSource):
         return total / weight
 
     def _polygon(self, points: Tensor, normals: Tensor) -> Tensor:
-        """Irradiance (N,) from a rectangle of radiance 1: Lambert's formula, clipped at the horizon."""
+        """Irradiance (N,) from a rectangle of radiance 1: Lambert's formula, clipped at the horizon as a sphere is."""
         u, v = self.half_axes()
         corners = [self.position[:, None] + u * x + v * y - points for x, y in _CORNERS]
         corners = [unit(corner) for corner in corners]
@@ -267,7 +271,7 @@ class SunLight(LightSource):
         return target / length(target), direct.distance
 
     def in_scattering(self, segments: RaySegments, parts: int) -> SegmentLight:
-        """The same everywhere, so that one part of a segment says all."""
+        """See `LightSource.in_scattering`; sunlight is the same everywhere, so that a segment has only one part."""
         points = segments.middles
         toward = self.axes[:, 2].view(3, 1, 1, 1).expand_as(points)
         distance = torch.full_like(points[0], math.inf)
@@ -283,10 +287,10 @@ LIGHT_TYPES: dict[str, type[LightSource]] = {
 def light_sources(
     scene: SceneData, values: RenderValues, made: Remembered | None = None
 ) -> list[LightSource]:
-    """All lights of the scene at the render's values, some made before."""
+    """All lights of the scene at the render's values; `made` keeps those whose values stay the same."""
     kept = made or Remembered()
     found = []
-    for number, light in enumerate(scene.lights):  # instances of a lamp have its name
+    for number, light in enumerate(scene.lights):  # instances of a light share its name
         make = partial(LIGHT_TYPES[light.type].of, light, scene, values)
         found.append(kept.of(f"light/{light.name}", values, make, number))
     return found

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Soft shadows: a few rays per sample to points on the lamp, smoothed where the surface is smooth; of many lights in clusters.
+"""Soft shadows by a few rays per sample to points on a light, smoothed over smooth surfaces; many lights share rays in clusters.
 
-The strongest lights are traced each, the others in clusters of such that light the visible points alike. A cluster shares
-shadow rays, as many as for one light, and one of its lights stands for all of them in bounced light (Walter et al.,
-"Lightcuts", 2005). Which lights are alike is read from the matrix of what each sends to visible points, unshadowed (Hašan et
-al., "Matrix row-column sampling for the many-light problem", 2007). What each sends directly, and its highlight, stay its own.
+With more than `EXACT` lights, the strongest are traced one by one, the others in clusters of lights that light the visible points
+alike. A cluster needs as many shadow rays as one light, and one of its lights stands for all in bounced light (Walter et al.,
+"Lightcuts", 2005). Which lights are alike is read from the matrix of unshadowed light that each sends to visible points (Hašan et
+al., "Matrix row-column sampling for the many-light problem", 2007). Unshadowed direct light and highlights are computed for each
+light.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from ..geometry.vectors import dot, overlap
 from ..geometry.visibility import RayGeometry, Surface, sphere_points
 from .light_source import DirectIrradiance, LightSource
 
-EXACT = 16  # so many lights are traced each: half the strongest and as many clusters, where there are more
+EXACT = 16  # lights traced one by one; of more, the strongest EXACT // 2, the rest in EXACT // 2 clusters
 _POINTS = 256
 _K_MEANS_ROUNDS = 12
 
@@ -31,12 +32,12 @@ _K_MEANS_ROUNDS = 12
 class LightCluster:
     """Lights that share their shadows."""
 
-    members: tuple[int, ...]  # their indices, the strongest first, which stands for all
+    members: tuple[int, ...]  # indices of the lights; the first, the strongest, stands for all
     powers: tuple[float, ...]  # what each sends per unit of its color, relative to the first
 
 
 class LightClusters:
-    """All lights of a view, each in one cluster; a cluster's index is its row of indirect light, `row` has each light's."""
+    """All lights of a view, each in one cluster. `row` maps a light's index to its cluster's, which is its row in indirect light."""
 
     def __init__(self, clusters: Sequence[LightCluster]) -> None:
         self.clusters = tuple(clusters)
@@ -46,12 +47,12 @@ class LightClusters:
         return len(self.clusters)
 
     def hold(self, lamps: Sequence[LightSource]) -> bool:
-        """True if they are of as many lights, and none that moves shares its shadows with others."""
+        """True if these clusters still fit the lights: there are as many, and none that moves shares a cluster."""
         alone = (len(self.clusters[self.row[i]].members) == 1 for i, lamp in enumerate(lamps) if lamp.moving)
         return len(lamps) == len(self.row) and all(alone)
 
     def sources(self, lamps: Sequence[LightSource]) -> list[LightSource]:
-        """The light that stands for each cluster, in the color of all."""
+        """For each cluster, the light that stands for it, with the color that all its lights have together."""
         sources = []
         for cluster in self.clusters:
             first = lamps[cluster.members[0]]
@@ -63,7 +64,7 @@ class LightClusters:
 
     @staticmethod
     def of(lamps: Sequence[LightSource], moving: Sequence[bool], surface: Surface) -> LightClusters:
-        """Clusters lights by what they send to a surface; few of them, and those that move, stay alone."""
+        """Clusters lights by what they send to a surface; few lights, the strongest, and those that move stay alone."""
         if len(lamps) <= EXACT or not len(surface.material):
             return LightClusters([LightCluster((i,), (1.0,)) for i in range(len(lamps))])
         chosen = torch.linspace(0, len(surface.material) - 1, _POINTS).long()
@@ -74,7 +75,7 @@ class LightClusters:
         matrix = (sent[:, :, None] * colors[:, None]).flatten(1)  # (L, 3 P)
         strength = matrix.norm(dim=1)
         order = strength.argsort(descending=True).tolist()
-        # A light that lights some objects only has shadows of its own, and joins no other.
+        # A light without shadows, or with objects that it does not light, joins no cluster.
         may_join = [x.light.shadow and not x.light.unlit for x in lamps]
         shared = [i for i in order if may_join[i] and not moving[i]][EXACT // 2 :]
         groups = [(i,) for i in order if i not in set(shared)]
@@ -88,14 +89,14 @@ class LightClusters:
 
 
 def weights(cluster: LightCluster, lamps: Sequence[LightSource]) -> Tensor:
-    """Relative number (C,) of shadow rays to each member: by its light on visible points, above 0 for all."""
+    """Relative number (C,) of shadow rays to each member: its light on visible points, plus a tenth of the mean, above 0."""
     bright = luminance(torch.stack([lamps[i].color.detach() for i in cluster.members]))[:, 0]
     power = (bright * bright.new_tensor(cluster.powers)).clamp_min(0.0)
     return power + 0.1 * power.mean() + 1e-12
 
 
 def k_means(points: Tensor, count: int) -> Tensor:
-    """The cluster (P,) of each point of (D, P), the same every time; at most `count`, which start far from each other."""
+    """The cluster (P,) of each of P points (D, P), at most `count`; deterministic, with start centers far from each other."""
     centers = points[:, :1]
     for _ in range(count - 1):
         away = torch.cdist(points.T, centers.T).amin(1)
@@ -116,7 +117,7 @@ _CLUSTER_RAYS = 4
 def shadow(
     geometry: RayGeometry, smoothing: ShadowFilter, lamp: LightSource, direct: DirectIrradiance, moving: bool
 ) -> Tensor:
-    """Share (N,) of a lamp that every surface sample sees; a gradient loop that moves it gets fewer rays, more smoothing."""
+    """Share (N,) of a light that every surface sample sees; a large light that is `moving` in a gradient loop gets fewer rays."""
     surface = smoothing.surface
     linked = lamp.lights(surface.object)
     if not lamp.light.shadow:
@@ -125,7 +126,7 @@ def shadow(
     solid = float(direct.solid_angle.max()) if count else 0.0
     rays = 1 if solid < _SHARP else (2 if moving else _MOST_RAYS)
     facing, reached = dot(surface.facet, direct.toward) > 0, direct.frontal > 0
-    # Out of a spot's cone nothing is in shadow: smoothing would carry that over the cone's rim.
+    # Outside a spot's cone, samples count as unshadowed: else smoothing would darken the cone's rim.
     visible = (facing & ~reached).to(torch.float32)
     index = (facing & reached & linked).nonzero()[:, 0]
     origin = geometry.lifted(surface)[:, index]
@@ -140,7 +141,7 @@ def shadow(
 
 
 class ShadowFilter:
-    """A cross-bilateral box filter over the picture: neighbors on the same smooth surface, kept for the view, share rays."""
+    """A cross-bilateral box filter over the image, which averages shadows of neighbors on one smooth surface; built once per view."""
 
     def __init__(self, samples: Samples, surface: Surface) -> None:
         self.surface = surface
@@ -158,7 +159,7 @@ class ShadowFilter:
         self._weight: dict[int, Tensor] = {}
 
     def __call__(self, visible: Tensor, radius: int) -> Tensor:
-        """The shares (N,) averaged over so many pixels to each side; samples of edges stay as they are."""
+        """The shares `visible` (N,), averaged over `radius` pixels to each side; samples of edges stay as they are."""
         value = torch.zeros(self._inside.shape, device=visible.device)
         value[self._inside] = visible[self._chosen]
         value = value.view(self._size)
@@ -175,7 +176,7 @@ class ShadowFilter:
         return smooth
 
     def _alike(self, dy: int, dx: int) -> Tensor:
-        """(h, w) bool: pixels, those at the border aside, whose neighbor shares rays with them."""
+        """(h, w) bool: pixels on the same smooth surface as their neighbor at an offset; only pixels that have one."""
         if (dy, dx) not in self._same:
             to, of = self._shifted(dy, dx)
             normal, depth = self._grid[:3], self._grid[3]
@@ -198,10 +199,11 @@ def _steps(radius: int) -> list[tuple[int, int]]:
 def cluster_shadow(
     geometry: RayGeometry, smoothing: ShadowFilter, lamps: Sequence[LightSource], weights: Tensor
 ) -> Tensor:
-    """Share (N,) of the light of several lamps together that every surface sample sees.
+    """Share (N,) of the light of several lights together that every surface sample sees.
 
-    A few rays go to as many of the lamps, chosen by their weights (C,) > 0. Their light is summed over neighbors on the
-    same smooth surface, with and without shadows: the ratio of the two sums. All lamps cast shadows, and light all objects.
+    A sample has a few rays, each to a light that is drawn with a chance proportional to its weight, (C,) > 0. The light along
+    these rays is summed over neighbors on the same smooth surface, with and without shadows. The share is the ratio of the two
+    sums. All these lights must cast shadows, and light all objects.
     """
     surface, device = smoothing.surface, weights.device
     count = len(surface.material)

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """GGX microfacets, and directional albedos of their reflection as short sums over fixed functions of the cosine.
 
-What energy compensation and layering need are functions of (cosine, roughness, IOR). Roughness and IOR
-belong to a material, the cosine to a sample: written as coefficients(roughness, IOR) @ basis(cosine),
-a sample costs one small dot product forwards and backwards. Integrated once by quadrature over visible microfacets
-(Heitz, "Sampling the GGX Distribution of Visible Normals", 2018), whose vectors are in the frame of the surface: the
-viewer sees it along the x-z plane.
+Energy compensation and layering need functions of (cosine, roughness, IOR). Roughness and IOR belong to a material, the cosine to
+a sample. Written as coefficients(roughness, IOR) @ basis(cosine), a function costs a sample one small dot product forwards and
+backwards. Coefficients are fitted once to integrals over visible microfacets (Heitz, "Sampling the GGX Distribution of Visible
+Normals", 2018). Vectors are in the frame of the surface: z is its normal, and the viewer is in the x-z plane.
 """
 
 import functools
@@ -19,7 +18,7 @@ _POWERS = (0, 1, 2, 3, 5, 8, 14)  # powers of (1 - cosine) that make the basis
 _ROUGHNESS = 17
 _CONTRAST = 17
 COSINES = tuple((torch.linspace(0.0, 1.0, 24) ** 1.25 * 0.99 + 0.01).tolist())
-"""Cosines that `fit` wants functions at: denser towards grazing angles, where albedos bend."""
+"""Cosines at which `fit` takes the values of functions; denser at grazing angles, where albedos change fastest."""
 
 
 def basis(cosine: Float[Tensor, " n"]) -> Float[Tensor, "7 n"]:
@@ -47,18 +46,18 @@ def f0_of(ior: Tensor) -> Tensor:
 
 
 def energy(roughness: Tensor) -> tuple[Tensor, Tensor]:
-    """Coefficients (7,), or (7, N) for a roughness (N,), of single-scattering albedo without Fresnel, and its cosine-weighted mean ()."""
+    """Coefficients (7,) of the single-scattering albedo without Fresnel, and its cosine-weighted mean (); (7, N) and (N,) for a roughness (N,)."""
     table, mean = _tables()[:2]
     return _between(table, roughness), _between(mean, roughness)
 
 
 def schlick_share(roughness: Tensor) -> Tensor:
-    """Coefficients (7,) of s in albedo = mix(F0, 1, s) for Schlick's fifth power."""
+    """Coefficients (7,) of s in albedo = mix(F0, 1, s), with Schlick's fifth power as Fresnel curve."""
     return _between(_tables()[2], roughness)
 
 
 def edge_share(roughness: Tensor) -> Tensor:
-    """Coefficients (7,) of what the albedo takes of F82's edge c (1 - c)^6, relative to that without Fresnel."""
+    """Coefficients (7,) of the albedo of F82's edge term c (1 - c)^6, divided by the albedo without Fresnel."""
     return _between(_tables()[5], roughness)
 
 
@@ -69,7 +68,7 @@ def dielectric_share(roughness: Tensor, ior: Tensor) -> Tensor:
 
 
 def dielectric_curve(ior: Tensor) -> Tensor:
-    """Coefficients (7,) of (F - F0) / (1 - F0) itself, over the cosine at the half vector."""
+    """Coefficients (7,) of the Fresnel curve itself, (F - F0) / (1 - F0), over the cosine at the half vector."""
     return _between(_tables()[4], ((ior - 1) / (ior + 1)).clamp_min(1e-4).sqrt())
 
 
@@ -84,14 +83,14 @@ def edge_curve() -> Tensor:
 
 
 def weigh(coefficients: Tensor, basis_: Tensor) -> Tensor:
-    """Functions (N,) from coefficients (7,), or (7, N) where they vary, of the basis (7, N)."""
+    """Values (N,) of a function with coefficients (7,), or (7, N) where they vary, at the basis (7, N)."""
     if coefficients.dim() == 1:
         return coefficients @ basis_
     return (coefficients * basis_).sum(0)
 
 
 def _between(table: Tensor, place: Tensor) -> Tensor:
-    """Cubic (Catmull-Rom) look-up along the first axis of a table (R, ...) over [0, 1]; N of places (N,) comes last."""
+    """Cubic (Catmull-Rom) interpolation in a table (R, ...) over [0, 1]: (...) at a place (), (..., N) at places (N,)."""
     last = len(table) - 1
     x = place.clamp(0.0, 1.0) * last
     if place.dim():
@@ -114,7 +113,11 @@ def fit(values: Tensor) -> Tensor:
 
 @functools.cache
 def _tables() -> tuple[Tensor, ...]:
-    """Energy (R, 7), its mean (R,), Schlick share (R, 7), dielectric share (Z, R, 7) and curve (Z, 7), edge (R, 7)."""
+    """Tables over R values of roughness and Z values of the IOR.
+
+    Coefficients of the energy (R, 7), its mean (R,), coefficients of Schlick share (R, 7), dielectric share (Z, R, 7), dielectric
+    curve (Z, 7), edge share (R, 7).
+    """
     roughness = torch.linspace(0, 1, _ROUGHNESS).clamp_min(0.02)
     cosine = torch.tensor(COSINES)
     weight, at_half = _visible_normals(cosine, roughness)
@@ -135,7 +138,7 @@ def _tables() -> tuple[Tensor, ...]:
 
 
 def _visible_normals(cosine: Tensor, roughness: Tensor) -> tuple[Tensor, Tensor]:
-    """Weights G2/G1 and half-vector cosines (R, C, S) of normals drawn as a viewer sees them."""
+    """Weights G2/G1 and half-vector cosines (R, C, S), for R values of roughness, C cosines of the viewer, S visible microfacets."""
     side = 12
     grid = (torch.arange(side) + 0.5) / side
     uv = torch.stack(torch.meshgrid(grid, grid, indexing="ij")).flatten(1)
@@ -148,7 +151,7 @@ def _visible_normals(cosine: Tensor, roughness: Tensor) -> tuple[Tensor, Tensor]
 def visible_normals(cosine: Tensor, alpha: Tensor | float, uv: Tensor) -> Tensor:
     """Unit normals (3, ...) of microfacets, distributed as a viewer sees them, from `uv` (2, ...) in [0, 1).
 
-    The viewer's angle to the surface's normal has a cosine (...) above 0; alpha is the roughness squared.
+    `cosine` (...) is that of the angle between viewer and surface normal, above 0; `alpha` is the roughness squared.
     """
     sine = (1 - cosine * cosine).clamp_min(0.0).sqrt()
     length = ((alpha * sine) ** 2 + cosine * cosine).sqrt()
@@ -157,16 +160,16 @@ def visible_normals(cosine: Tensor, alpha: Tensor | float, uv: Tensor) -> Tensor
     t1, t2 = radius * angle.cos(), radius * angle.sin()
     t2 = (1 - (1 + z) / 2) * (1 - t1 * t1).clamp_min(0.0).sqrt() + (1 + z) / 2 * t2
     t3 = (1 - t1 * t1 - t2 * t2).clamp_min(0.0).sqrt()
-    # The frame of the stretched view is (0, 1, 0), (-z, 0, x) and itself.
+    # Axes around the stretched view: (0, 1, 0), (-z, 0, x), and the view (x, 0, z) itself.
     sides = alpha * (t3 * x - t2 * z), alpha * t1, (t3 * z + t2 * x).clamp_min(1e-6)
     normal = torch.stack(torch.broadcast_tensors(*sides))
     return normal / normal.square().sum(0).sqrt()
 
 
 def mirrored(cosine: Tensor, normal: Tensor) -> tuple[Tensor, Tensor]:
-    """Directions (3, ...) in which visible microfacets of normals (3, ...) send the light of the viewer's ray.
+    """Directions (3, ...) to which microfacets with normals (3, ...) reflect the viewer's ray.
 
-    Also the cosine (...) of the viewer's angle to the microfacets.
+    Also the cosine (...) of the angle between viewer and microfacet normal. `cosine` (...) is that to the surface normal.
     """
     sine = (1 - cosine * cosine).clamp_min(0.0).sqrt()
     at_half = (sine * normal[0] + cosine * normal[2]).clamp(0.0, 1.0)
@@ -175,7 +178,10 @@ def mirrored(cosine: Tensor, normal: Tensor) -> tuple[Tensor, Tensor]:
 
 
 def unshadowed(cosine: Tensor, alpha: Tensor | float, leaving: Tensor) -> Tensor:
-    """Share (...) of light that no facet blocks, by cosines (...) of the viewer's and the leaving light's angle, and roughness²."""
+    """Share (...) of reflected light that no other microfacet blocks, G2/G1; 0 below the surface.
+
+    `cosine` and `leaving` (...) are those of viewer and reflected light to the normal; `alpha` is the roughness squared.
+    """
     masking = (1 + alpha**2 * (1 / (cosine * cosine) - 1)).sqrt()
     shadowing = (1 + alpha**2 * (1 / leaving.clamp(1e-4, 1.0) ** 2 - 1)).sqrt()
     return torch.where(leaving > 0, (1 + masking) / (masking + shadowing), 0.0)

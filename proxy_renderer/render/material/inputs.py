@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A material's values in one render, and those that vary: textures over UVs, and node networks baked from the exported camera."""
+"""A material's shading inputs in one render, from constants, textures over UVs, and node networks baked from the exported camera."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ _UNIT_INPUTS = ("metallic", "roughness", "coat", "transmission")  # from 0 to 1,
 
 @dataclass(frozen=True)
 class ShadingInputs:
-    """A material's values in one render: scalars () and colors (3,).
+    """A material's inputs in one render: scalars () and colors (3,).
 
-    Where nodes compute them, `metallic`, `roughness`, `coat` and `transmission` are (N,), `emission` (3, N).
-    A computed emission color is multiplied by `glow_tint`, a computed strength by `glow_factor`; `emission_color` and
-    `strength` are the means of the products, which other surfaces receive.
+    Where nodes compute them (see `varied`), `metallic`, `roughness`, `coat` and `transmission` are (N,), `emission` is (3, N). A
+    computed emission color is multiplied by `glow_tint`, a computed strength by `glow_factor`. Otherwise `emission_color` and
+    `strength` have the means of these products, by which the material lights other surfaces.
     """
 
     base: Tensor
@@ -53,11 +53,11 @@ class ShadingInputs:
     glow_recolor: Tensor | None
     strength: Tensor
     recolor: Tensor | None
-    # what `seen` keeps; None if it keeps nothing
+    # where `seen` keeps results; None if it keeps none
     kept: dict[str, tuple[Tensor, Any]] | None = field(default=None, repr=False, compare=False)
 
     def seen(self, name: str, view: Tensor, make: Callable[[], T]) -> T:
-        """A value that depends on the inputs and a view (7, N), not on light: kept for the next render."""
+        """The result of `make`, which depends on these inputs and a view's albedo basis (7, N) only; kept for the next render."""
         if self.kept is None or needs_gradient(view):
             return make()
         known = self.kept.get(name)
@@ -67,7 +67,7 @@ class ShadingInputs:
         return terms
 
     def uses(self, name: str, view: Tensor) -> bool:
-        """True if the lobe of a weight can matter at a view (7, N), see `used`; asking a card's memory takes long."""
+        """True if the weight with this name is `used`; kept per view (7, N), because reading a GPU's memory takes long."""
         return self.seen(f"uses {name}", view, lambda: used(getattr(self, name)))
 
     @property
@@ -77,7 +77,7 @@ class ShadingInputs:
         return color[:, None] * strength if color.dim() == strength.dim() == 1 else color * strength
 
     def varied(self, textured: Mapping[str, Tensor]) -> ShadingInputs:
-        """The same with inputs (1 or 3, N) that vary over its samples."""
+        """A copy with the inputs (1 or 3, N) that textures give its samples."""
         if not textured:
             return self
         given: dict[str, Any] = {n: textured[n][0].clamp(0.0, 1.0) for n in _UNIT_INPUTS if n in textured}
@@ -96,7 +96,7 @@ class ShadingInputs:
 
 
 def _grayed(color: Tensor, recolor: Tensor | None) -> Tensor:
-    """Colors (3, N) that are reduced to their luminance by a share ()."""
+    """Colors (3, N) moved towards the gray of the same luminance by a share `recolor` ()."""
     if recolor is None or not used(recolor):
         return color
     return color + (luminance(color.T).T - color) * recolor
@@ -105,7 +105,7 @@ def _grayed(color: Tensor, recolor: Tensor | None) -> Tensor:
 def shading_inputs_of(
     material: Material, settings: RenderValues, kept: dict[str, tuple[Tensor, Any]] | None = None
 ) -> ShadingInputs:
-    """The values of one material, which keep in `kept` what follows from them."""
+    """The shading inputs of one material; `kept` is where they keep terms computed from them."""
     key = f"material/{material.name}/"
     constants = material.constants
     textured = material.texture is not None
@@ -150,15 +150,15 @@ def shading_inputs_of(
 
 
 def used(weight: Tensor) -> bool:
-    """True if a lobe can matter: its weight is not zero, or somebody wants its gradient."""
+    """True if a lobe must be computed: its weight is not zero everywhere, or needs a gradient."""
     return needs_gradient(weight) or bool((weight != 0).any())
 
 
-_LEVELS = 7  # versions of a pattern, each half as fine as the one before
+_LEVELS = 7  # sizes of a texture, each half of the one before
 
 
 class MaterialTextures:
-    """All pictures of a scene's materials; those that the camera saw are averaged down to the size of the render."""
+    """All textures of a scene's materials; those baked from the exported camera are downsampled to the size of the render."""
 
     def __init__(self, scene: SceneData, device: torch.device, size: tuple[int, int] | None = None) -> None:
         self._scene = scene
@@ -172,11 +172,11 @@ class MaterialTextures:
             }
 
     def has(self, material: int, name: str) -> bool:
-        """True if an input of a material varies; "base_color" is its texture."""
+        """True if a texture gives an input of a material; "base_color" is `Material.texture`."""
         return (material, name) in self._images
 
     def at(self, material: int, name: str, surface: Surface) -> Tensor:
-        """An input (C, N) of one material at points of it; differentiable in their places."""
+        """An input (C, N) of one material at N points of its surface; differentiable in their positions."""
         row = self._scene.materials[material]
         texture = row.texture if name == "base_color" else row.maps[name]
         assert texture is not None
@@ -189,7 +189,7 @@ class MaterialTextures:
         return grid_sample(image, grid, padding_mode=padding, align_corners=False)[0, :, 0]
 
     def _place(self, texture: Texture, surface: Surface) -> Tensor:
-        """Places (2, N) of points in an image, [0, 1] from the lower left."""
+        """Texture coordinates (2, N) of points, [0, 1] from the lower left."""
         if texture.window is not None:
             return self._through(texture.window, surface.position)
         if texture.plane is not None:
@@ -198,7 +198,7 @@ class MaterialTextures:
         return surface.uv
 
     def relative_base_color(self, surface: Surface, geometry: RayGeometry) -> Tensor | None:
-        """Base colors (3, N) relative to their textures' means, 1 where a bake lacks the point; None where there is no texture."""
+        """Base colors (3, N) over the mean of their texture, 1 where a baked one lacks the point; None if no point has a texture."""
         result = None
         for material, row in enumerate(self._scene.materials):
             index = (surface.material == material).nonzero()[:, 0]
@@ -219,7 +219,7 @@ class MaterialTextures:
     def _seen(
         self, window: tuple[float, float, float, float], surface: Surface, geometry: RayGeometry
     ) -> Tensor:
-        """(N,) bool: points in a window of the exported camera's picture that nothing hides from it."""
+        """(N,) bool: points inside a window of the exported camera's image that the camera sees, not hidden by others."""
         place = self._through(window, surface.position)
         eye = self._view.position[:, None]
         offset = surface.position - eye
@@ -234,7 +234,10 @@ class MaterialTextures:
         return inside & (open_ > 0)
 
     def _footprints(self, material: int, name: str, surface: Surface) -> Tensor:
-        """A base color (3, N), averaged up to the next point, its neighbor in the picture: mirrors squeeze much into a pixel."""
+        """A base color (3, N), averaged over the distance to the next point in order, mostly the neighbor in the image.
+
+        In a mirror, much of a texture may fall into one pixel.
+        """
         texture = self._scene.materials[material].maps.get(name)
         image = self._images[material, name]
         if texture is None or surface.position.shape[1] < 2:
@@ -252,7 +255,7 @@ class MaterialTextures:
         return result
 
     def _through(self, window: tuple[float, float, float, float], points: Tensor) -> Tensor:
-        """Places (2, N) of points (3, N) in a window of the exported camera's picture, [0, 1] from the lower left."""
+        """Coordinates (2, N) of points (3, N) in a window of the exported camera's image, [0, 1] from the lower left."""
         pixel = self._view.project(points)
         x, y = pixel[0] / self._view.size[0], 1 - pixel[1] / self._view.size[1]
         left, bottom, right, top = window
@@ -260,7 +263,7 @@ class MaterialTextures:
 
 
 def _image(texture: Texture, device: torch.device, size: tuple[int, int] | None) -> Tensor:
-    """(1, C, H, W), row 0 at the bottom."""
+    """The texture as (1, C, H, W), row 0 at the bottom; one baked from the camera is downsampled for a render's size."""
     image = torch.from_numpy(texture.image).to(device).permute(2, 0, 1)[None]
     if size is None or texture.window is None:
         return image
@@ -271,7 +274,7 @@ def _image(texture: Texture, device: torch.device, size: tuple[int, int] | None)
 
 
 class MaterialOpacity:
-    """Alpha of surfaces; `clear` (M,) bool has the materials that are not opaque everywhere."""
+    """Alpha of surfaces; `clear` (M,) is True for materials that are not opaque everywhere."""
 
     def __init__(self, scene: SceneData, device: torch.device) -> None:
         self._maps = MaterialTextures(scene, device)
@@ -282,7 +285,7 @@ class MaterialOpacity:
         self.clear[[*self._seen_only]] = True
 
     def at(self, surface: Surface, by_camera: bool = False) -> Tensor:
-        """Alpha (N,) of surface points. Unless seen `by_camera` directly, one baked from the exported camera is its mean."""
+        """Alpha (N,) of surface points; a map baked from the exported camera counts only for what it sees directly (`by_camera`), else its mean."""
         alpha = self._alpha[surface.material]
         for material, seen_only in self._seen_only.items():
             index = (surface.material == material).nonzero()[:, 0]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Depth of field: what lies out of focus is blurred over the circle of confusion of its depth.
 
-The picture is cut into layers of about the same blur, each is blurred by a disc, and they are laid over each other from
+The image is cut into layers of about the same blur, each is blurred by a disc, and they are laid over each other from
 far to near. Parts of layers that a near object hides are filled from what they show around it.
 """
 
@@ -18,17 +18,17 @@ from ..geometry.samples import pixel_centers
 from ..geometry.vectors import dot
 
 _FIRST, _GROWTH = 0.75, 1.5  # pixels of the first blurred layer's radius, and the next ones' ratio
-_MOST = 0.12  # largest radius, in parts of the picture's longer side
-_LEAST = 0.2  # radius in pixels below which a whole picture counts as sharp
+_MOST = 0.12  # largest radius, in parts of the image's longer side
+_LEAST = 0.2  # radius in pixels below which a whole image counts as sharp
 
 
 @dataclass(frozen=True)
 class Defocus:
     """The blur of one view; a constant for gradients, which pass through the colors."""
 
-    size: tuple[int, int]  # width and height of the picture in pixels
-    # from far to near: opacity (H, W) of what a layer holds, and the spectrum of its disc, None for a sharp
-    # one
+    size: tuple[int, int]  # width and height of the image in pixels
+    # from far to near: a layer's opacity (H, W), and the Fourier spectrum of the disc that blurs it; None if
+    # it is sharp
     layers: list[tuple[Tensor, Tensor | None]]
     padded: tuple[int, int]  # height and width that convolutions are done at
 
@@ -50,7 +50,7 @@ class Defocus:
         return Defocus(view.size, layers, padded)
 
     def __call__(self, picture: Tensor) -> Tensor:
-        """The blurred picture (C, P) of a linear one (C, P); differentiable."""
+        """The blurred image (C, P) of a linear one (C, P); differentiable."""
         width, height = self.size
         sharp = picture.view(-1, height, width)
         total = torch.zeros((len(sharp) + 1, height, width), device=picture.device)
@@ -94,7 +94,7 @@ def _knots(least: float, greatest: float) -> list[float]:
 
 
 def _opacity(radius: Tensor, knots: list[float], number: int) -> Tensor:
-    """(H, W) 1 at a layer's radius, down to 0 at those of its neighbors. One of two layers always hides what is behind."""
+    """Opacity (H, W) of a layer: 1 from its radius half way to its neighbors' radii, 0 at those; at every pixel, one layer is opaque."""
     share, knot = torch.ones_like(radius), knots[number]
     for neighbor in (*knots[number - 1 : number], *knots[number + 1 : number + 2]):
         share = torch.minimum(share, (radius - neighbor) / (knot - neighbor))
@@ -102,7 +102,7 @@ def _opacity(radius: Tensor, knots: list[float], number: int) -> Tensor:
 
 
 def _disc(radius: float, size: tuple[int, int]) -> Tensor:
-    """Spectrum of a disc whose weights sum to 1, centered on the first pixel."""
+    """Fourier spectrum of a disc with a radius in pixels, whose weights sum to 1, centered on the first pixel."""
     y, x = (torch.minimum(torch.arange(n), n - torch.arange(n)).float() for n in size)
     away = (y[:, None].square() + x.square()).sqrt()
     weight = (radius + 0.5 - away).clamp(0.0, 1.0)

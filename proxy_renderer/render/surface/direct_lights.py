@@ -29,7 +29,7 @@ from .edges import ShadowEdges
 
 @dataclass
 class _Shadowed:
-    """A light's shadows (N,), and its direct light if none of its values is learned."""
+    """The visible share (N,) of a light, and the direct light if it needs no gradients."""
 
     signature: tuple[float, ...]
     visible: Tensor
@@ -38,7 +38,7 @@ class _Shadowed:
 
 
 class DirectLights:
-    """Of one view."""
+    """The direct light of each light in one view, whose samples are `seen`."""
 
     def __init__(
         self, geometry: RayGeometry, samples: Samples, seen: ViewSamples, clusters: LightClusters
@@ -52,13 +52,13 @@ class DirectLights:
         self._shared: dict[int, tuple[tuple[float, ...], Tensor]] = {}  # shadows of clusters, by row
 
     def aside(self) -> Self:
-        """A copy for one picture, whose moved lights leave nothing behind in this one."""
+        """A copy in which lights may move while this one stays as it is."""
         other = copy(self)
         other._kept = dict(self._kept)
         return other
 
     def forget_moved(self, index: int, lamps: Sequence[LightSource]) -> bool:
-        """Forgets a light's shadows if it, or one of its cluster, has moved; returns whether they have to be traced."""
+        """Drops a light's shadows if the light, or another of its cluster, has moved; returns whether they have to be traced."""
         kept = self._kept.get(index)
         if kept is not None and kept.signature == self._signature(index, lamps):
             return False
@@ -68,7 +68,7 @@ class DirectLights:
     def of(
         self, index: int, lamps: Sequence[LightSource], view_samples: ViewSamples, view: View
     ) -> DirectLight:
-        """The direct light of a light, kept unless `forget_moved`; differentiable where it, or the camera, moves."""
+        """The direct light of a light, kept until `forget_moved` drops it; differentiable if light or camera moves."""
         lamp, moving = lamps[index], lamps[index].moving or view_samples.moving
         kept = self._kept.get(index)
         if not moving and kept is not None and kept.direct_light is not None:
@@ -106,7 +106,7 @@ class DirectLights:
         return _Shadowed(signature, shadow(*view, still, direct, lamp.moving))
 
     def _moving_shadow(self, kept: _Shadowed, lamp: LightSource, view: View) -> Tensor:
-        """Zeros (N,) with the gradient of a light's shadows, which move with light and camera."""
+        """Zeros (N,) whose gradient is that of a light's shadows, which move with light and camera."""
         if not lamp.has_shadow_edges:
             return torch.zeros_like(kept.visible)
         if kept.edges is None:
@@ -147,7 +147,7 @@ class ViewSamples:
     @property
     def moving(self) -> bool:
         """True if gradients with respect to the camera are wanted."""
-        # A camera that only comes nearer turns no ray.
+        # If only the camera's position is learned, rays do not turn.
         return needs_gradient(self.toward_eye, self.surface.position)
 
 
@@ -169,7 +169,7 @@ class DirectLight:
         return self._parts[samples.start]
 
     def through(self, fog: FogMedium) -> DirectLight:
-        """The same behind the fog between light and samples; the same object for the same fog, because it caches lobes."""
+        """The direct light dimmed by the fog between light and samples; the same fog gives the same object, because it caches lobes."""
         if fog.signature is None:
             return self._through(fog)
         return self._fogged.of("", fog.signature, lambda: self._through(fog))

@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Gradients of moving outlines and shadow edges, which point samples and rays cannot have themselves.
 
-Outlines: as in nvdiffrast (Laine et al. 2020, section 3.6), a pair of neighboring pixels with a near surface in
-one and something farther in the other blends by where the outline passes between them. The picture
-is antialiased already, so only the derivative is added: (a - a.detach()) * (near - far), zero in value.
-The outline moves with the projection of the near surface's point; along the contour's normal this is
-exact to first order, for creases as well as for smooth outlines.
+Outlines: as in nvdiffrast (Laine et al. 2020, section 3.6), a pair of neighboring pixels with a near surface in one and something
+farther in the other blends by where the outline passes between them. The image is antialiased already, so only the derivative is
+added: (a - a.detach()) * (near - far), zero in value. The outline moves with the projection of the near surface's point; along
+the contour's normal this is exact to first order, for creases as well as for smooth outlines.
 
-Shadows: the soft shadow of a lamp is the mean of the hard shadows of points on it. Where such a hard shadow ends between
-two neighboring pixels, its edge is the projection of a point on the blocker, from the lamp's point, onto the surface: a
-differentiable function of where the lamp stands and how large it is. Moved by one pixel, it darkens or clears one pixel.
-A blocker's contour point is taken in the middle of the ray's way through the blocker, where a round one is grazed.
+Shadows: the soft shadow of a light is the mean of the hard shadows of points on it. Where such a hard shadow ends between two
+neighboring pixels, its edge is the projection of a point on the blocker, from the light's point, onto the surface: a
+differentiable function of the light's position and size. An edge that moves by one pixel darkens or lights one pixel. The point
+on the blocker is the middle of the ray's way through it: the contour of a round blocker that the ray grazes.
 """
 
 from __future__ import annotations
@@ -27,27 +26,30 @@ from ..geometry.vectors import dot
 from ..geometry.visibility import RayGeometry, Surface
 from ..lights.light_source import LightSource
 
-_PENUMBRA = 2  # pixels around one within which its shadow's share varies if a hard shadow may end there
+_PENUMBRA = 2  # a hard shadow may end at a pixel if visible shares differ within so many pixels around it
 _LEAST_SHARE = 1e-3
-_GRAZING = 0.1  # least cosine between light and surface: at less, shadows would race over the surface
+_GRAZING = 0.1  # least cosine between light and surface: below it, shadows move too fast over the surface
 _CONTOUR_WINDOW = 2  # pixels around a pair from which the contour's direction is estimated
 
 
 @dataclass(frozen=True)
 class ShadowEdges:
-    """All pairs of neighboring pixels between which a hard shadow of one point of a lamp ends."""
+    """All pairs of neighboring pixels between which a hard shadow of one point of a light ends."""
 
     pixel: Tensor  # (2, E) the pixel in shadow and the one in light
-    step: Tensor  # (2, E) from the one to the other, in pixels, over the number of the lamp's points
-    spot: Tensor  # (2, E) the point of the lamp, as `LightSource.shadow_targets` takes it
+    step: Tensor  # (2, E) offset from the first to the second, pixels, over the number of points of the light
+    spot: Tensor  # (2, E) the point of the light: `uv` of `LightSource.shadow_targets`
     surface: Surface  # of the pixels in shadow
-    blocker: Tensor  # (3, E) points that cast the edge
+    blocker: Tensor  # (3, E) points on the blockers that cast the edge
 
     @staticmethod
     def of(
         geometry: RayGeometry, samples: Samples, view: View, lamp: LightSource, visible: Tensor
     ) -> ShadowEdges:
-        """Traces shadows of a lamp where a view shows its penumbra, both detached; samples see a `visible` share (N,) of it."""
+        """Traces hard shadows of points of a light in pixels that show the light's penumbra; view and light are detached.
+
+        Samples see a share `visible` (N,) of the light.
+        """
         pixel_index = (samples.center_hits.hit & _penumbra(samples, visible)).nonzero()[:, 0]
         width = samples.size[0]
         centers = torch.stack((pixel_index % width, pixel_index // width)).to(torch.float32) + 0.5
@@ -55,7 +57,7 @@ class ShadowEdges:
         direct = lamp.irradiance(surface.position, surface.normal)
         facing_lamp = (dot(surface.facet, direct.toward) > 0) & (direct.irradiance > 0)
         origin = geometry.lifted(surface)
-        # Four points stand for the whole lamp: their second moments are its own.
+        # Four points stand for the whole light: their second moments are its own.
         low, high = 0.5 - 12**-0.5, 0.5 + 12**-0.5
         spots = torch.tensor([[low, low, high, high], [low, high, low, high]], device=origin.device)
         if lamp.half_sides() is None:
@@ -82,7 +84,7 @@ class ShadowEdges:
         return ShadowEdges(pixel, step / spots.shape[1], spot, surface.pick(dark), blocker)
 
     def term(self, view: View, lamp: LightSource, pixels: int) -> Tensor:
-        """The zero-valued picture (P,) whose gradient is that of the lamp's visible share."""
+        """Zeros (P,) whose gradient is that of the light's visible share in each pixel."""
         direct = lamp.irradiance(self.surface.position, self.surface.normal)
         toward, distance = lamp.shadow_targets(direct, self.spot)
         if not lamp.at_infinity:
@@ -98,7 +100,7 @@ class ShadowEdges:
 
 
 def _penumbra(samples: Samples, visible: Tensor) -> Tensor:
-    """(P,) bool: pixels near which a lamp is seen (N,) here and not there."""
+    """(P,) bool: pixels near which the `visible` share (N,) of a light is above 0 at some samples and below 1 at some."""
     width, height = samples.size
     pixel = samples.pixel[: samples.surfaces]
     signed = torch.stack((visible, -visible))
@@ -110,7 +112,7 @@ def _penumbra(samples: Samples, visible: Tensor) -> Tensor:
 
 
 def _neighbors(samples: Samples, surface: Surface, pixel_index: Tensor, facing_lamp: Tensor) -> Tensor:
-    """(2, E) neighboring pixels on one smooth surface that both face the lamp, as indices into `pixel_index`."""
+    """(2, E) neighboring pixels on one smooth surface that both face the light, as indices into `pixel_index`."""
     width, height = samples.size
     index = torch.full((height * width,), -1, device=pixel_index.device)
     index[pixel_index[facing_lamp]] = facing_lamp.nonzero()[:, 0]
@@ -139,11 +141,11 @@ class Silhouettes:
     pixel: Tensor  # (2, E) pixel with the near and with the far surface
     sample: Tensor  # (2, E) a sample of the near surface in the one, of the far one in the other
     points: Tensor  # (3, E) world positions on the near surface
-    motion: Tensor  # (2, E) what one pixel of the point's motion adds to the near surface's coverage
+    motion: Tensor  # (2, E) coverage that the near surface gains if its point moves by one pixel
 
     @staticmethod
     def of(samples: Samples, surface: Surface) -> Silhouettes:
-        """Finds the pairs among the samples of a view, whose first ones meet the surface."""
+        """Finds the pairs in a view; `surface` is that of the samples which meet one."""
         width, height = samples.size
         depth = samples.center_hits.distance.view(height, width)
         owner = samples.owner.view(height, width)
@@ -161,7 +163,7 @@ class Silhouettes:
         return Silhouettes(torch.stack((near, far)), sample, surface.position[:, sample[0]], motion)
 
     def term(self, view: View, values: Tensor, pixels: int) -> Tensor:
-        """The zero-valued picture (C, P) whose gradient is that of the outlines, from the values (C, N) of the samples."""
+        """Zeros (C, P) whose gradient is that of moving outlines, from the values (C, N) of the samples."""
         place = view.project(self.points)
         moved = ((place - place.detach()) * self.motion).sum(0)
         values = values.detach()
@@ -193,7 +195,7 @@ def _shifted(depth: Tensor, axis: int, by: int, count: int) -> Tensor:
 
 
 def _contour_normals(depth: Tensor, near: Tensor, far: Tensor) -> Tensor:
-    """Unit normals (2, E) of outlines in the picture, away from the near surface."""
+    """Unit normals (2, E) of outlines in the image, away from the near surface."""
     height, width = depth.shape
     flat = depth.flatten()
     edge = torch.minimum((flat[near] + flat[far]) / 2, flat[near] * 1.5)

@@ -59,18 +59,18 @@ def shade(
 
 
 class _Layer(NamedTuple):
-    """A reflecting layer as a view sees it, whatever the light."""
+    """The terms of a reflecting layer that depend on the view, not on light."""
 
     e: Tensor  # (N,) single-scattering albedo without Fresnel
     f0: Tensor  # (3, 1 or N) reflectance head on
-    curve: Tensor  # (7,) of its rise to the edge, over the cosine at the half vector
-    reflectance: Tensor  # (3, N) or (N,) of what lies around
-    boost: Tensor  # (3, N) or (N,) by light that bounces between microfacets
+    curve: Tensor  # (7,) coefficients of its rise from f0 to 1, over the cosine at the half vector
+    reflectance: Tensor  # (3, N) or (N,) for light from the surroundings
+    boost: Tensor  # (3, N) or (N,) factor for light that bounces between microfacets
     left: Tensor  # (3, N) or (N,) share that reaches what is below; 1 for a metal, which has nothing there
-    edge: Tensor | None = None  # (3, 1 or N) weight by which a metal's edge is tinted
+    edge: Tensor | None = None  # (3, 1 or N) weight of the F82 term that tints a metal's edge
 
     def reflected(self, light: IncidentLight, lobes: Sequence[Tensor], reflections: Tensor) -> Tensor:
-        """Reflection (3, N) of the lights' lobes (N,) and of what lies around (3, N)."""
+        """Reflected radiance (3, N) of lights, from their lobes (N,), and of the surroundings, from `reflections` (3, N)."""
         direct = specular(light.lamps, light.highlights, lobes, self.curve, self.f0)
         if self.edge is not None:
             curve = albedo.edge_curve().to(self.e.device)
@@ -140,7 +140,7 @@ def _glass(
 def coat(
     inputs: ShadingInputs, light: IncidentLight
 ) -> tuple[Float[Tensor, "3 n"], Float[Tensor, "*tinted n"]]:
-    """Reflection (3, N) of the lacquer, and the share that reaches what is below."""
+    """Reflected radiance (3, N) of the coat, and the share of light that reaches the layers below."""
     layer = inputs.seen("coat", light.view, lambda: _coat(inputs, light))
     lobes = [h.lobe(inputs.coat_roughness) for h in light.highlights]
     return layer.reflected(light, lobes, light.reflected.at(inputs.coat_roughness)), layer.left
@@ -161,7 +161,7 @@ def _coat(inputs: ShadingInputs, light: IncidentLight) -> _Layer:
 
 
 def _coat_tint(inputs: ShadingInputs, light: IncidentLight) -> Tensor:
-    """Beer's law along the refracted ray through a colored lacquer (3, N)."""
+    """Transmittance (3, N) of a colored coat: Beer's law along the refracted ray."""
     tint = light.view.new_tensor(inputs.coat_tint).clamp_min(1e-4)[:, None]
     cosine = 1 - light.view[1]
     depth = (1 - (1 - cosine * cosine) / inputs.coat_ior**2).clamp_min(1e-4).rsqrt()
@@ -199,8 +199,8 @@ class IncidentLight:
     """Everything that arrives at N samples of one material."""
 
     irradiance: Float[Tensor, "3 n"]  # (3, N) shadowed, direct and bounced
-    lamps: Float[Tensor, "lamps 3"]  # (L, 3) colors of the lamps in `highlights`
-    highlights: Sequence[AreaSpecular]  # one per lamp, shadowed
+    lamps: Float[Tensor, "lamps 3"]  # (L, 3) colors of the lights in `highlights`
+    highlights: Sequence[AreaSpecular]  # one per light, shadowed
     view: Float[Tensor, "7 n"]  # (7, N) albedo basis at the viewing cosine
     reflected: ReflectedRadiance  # radiance around the mirror direction
     behind: Float[Tensor, "3 n"] | None  # (3, N) radiance seen through the surface; None if it is opaque
@@ -212,10 +212,10 @@ class ReflectedRadiance:
 
     knots: tuple[float, ...]  # increasing roughness
     images: Sequence[Float[Tensor, "3 n"]]  # radiance (3, N) that a surface of each knot's roughness reflects
-    glow: ReflectedRadiance | None = None  # what is added to it, with knots of its own; None for nothing
+    glow: ReflectedRadiance | None = None  # added radiance of glowing surfaces, with its own knots; or None
 
     def at(self, roughness: Float[Tensor, "*varying"]) -> Float[Tensor, "3 n"]:
-        """Radiance (3, N) between the two nearest knots of one roughness () or of many (N,)."""
+        """Radiance (3, N) for one roughness () or many (N,), interpolated between the two nearest knots."""
         radiance = self._varying(roughness) if roughness.dim() else self._even(roughness)
         return radiance if self.glow is None else radiance + self.glow.at(roughness)
 
@@ -241,12 +241,15 @@ def single_scattering(
 
 
 def multiple_scattering(fss: Float[Tensor, "*#n"], mean: Float[Tensor, "*#n"]) -> Float[Tensor, "*n"]:
-    """Fresnel factor of light that bounces between microfacets (Kulla and Conty 2017, appendix)."""
+    """Fresnel factor of light that bounces between microfacets (Kulla and Conty 2017, appendix).
+
+    `fss` is the mean Fresnel reflectance, `mean` the mean single-scattering albedo.
+    """
     return fss * mean / (1 - fss * (1 - mean))
 
 
 def summed(lamps: Float[Tensor, "lamps 3"], lobes: Sequence[Float[Tensor, " n"]]) -> Float[Tensor, "*light"]:
-    """Lobes (N,) of all lamps times their colors (L, 3): (3, N), or 0 without lamps."""
+    """Lobes (N,) of all lights times their colors (L, 3), summed over lights: (3, N), or 0 without lights."""
     if not lobes:
         return lamps.new_zeros(())
     if len(lobes) == 1:

@@ -27,14 +27,14 @@ from .direct_lights import DirectLight, ViewSamples
 from .principled import IncidentLight, ReflectedRadiance, shade
 from .view_cache import ViewCache
 
-_BENT = 0.02  # difference of IOR over which refracted pictures are compared
+_BENT = 0.02  # difference of IOR over which refracted images are compared
 _SMOOTH = 0.25  # roughness below which reflections are sharp
 _LEAST_COAT = 0.05
-_GLASS_STEPS = 8  # steps in which light through glass changes: shadows are traced again at each
+_GLASS_STEPS = 8  # number of steps of a glass's transmittance
 
 
 def direct_lights_of(frame: RenderState) -> list[DirectLight]:
-    """Direct light of each light, behind fog; lights that have moved renew the bounced light as well."""
+    """Direct light of each light, dimmed by fog on its way to the samples; bounced light of lights that have moved is traced again as well."""
     state = frame.lamps, frame.view_samples, frame.view
     direct_lights = [frame.cache.direct_light(i, *state) for i in range(len(frame.lamps))]
     if frame.fog.active:
@@ -52,13 +52,13 @@ def radiance(
 ) -> Tensor:
     """Radiance (3, N + B) of all samples: surfaces in the order of their materials, then background.
 
-    A transparent film has a fourth row, the coverage of each sample. The indirect light is gathered after
-    `direct_lights_of`, which traces its shadows; `table_of` has the radiances of what secondary rays meet.
+    With a transparent film, a fourth row is the coverage of each sample. `gathered` must be made after `direct_lights_of`, which
+    traces the shadows of indirect light. `table` is that of `table_of`.
     """
     cache, view_samples, sky = frame.cache, frame.view_samples, frame.sky
     gathered = cache.indirect.following(gathered, table, frame.sources)
     irradiance = gathered.irradiance
-    # What gives no light costs nothing
+    # Lights without power are left out.
     shining = [pair for pair in zip(frame.lamps, direct_lights, strict=True) if pair[0].shines]
     pictured = [pair for pair in shining if pair[0].pictured]
     bare = [pair for pair in shining if not pair[0].pictured]
@@ -68,7 +68,7 @@ def radiance(
     *levels, behind = cache.worlds(sky, view_samples)
     tint = (sky.color * sky.reaches("glossy"))[:, None]
     knots, images = _images(gathered, [level * tint for level in levels], around)
-    # The gradient of one split is one concatenation; that of a slice per material is a picture of zeros for each.
+    # The gradient of one split is one concatenation; that of each slice would be zeros for all samples.
     sizes = [stop - start for _, start, stop in cache.samples.slices]
     parts = zip(*(field.split(sizes, 1) for field in (irradiance, *images, *gathered.glow)), strict=True)
     pieces = []
@@ -105,30 +105,34 @@ def _direct(lights: Sequence[tuple[LightSource, DirectLight]]) -> Tensor | float
 def _images(
     gathered: IndirectLight, worlds: Sequence[Tensor], around: Tensor
 ) -> tuple[tuple[float, ...], list[Tensor]]:
-    """Reflected radiance (3, N) by increasing roughness, from the world in the mirror direction to what is `around` (3, N)."""
+    """Knots of roughness, and the radiance (3, N) that surfaces of each knot's roughness reflect.
+
+    From the mirror image at a roughness of 0 to the mean light `around` (3, N) at 1; `worlds` is the world's part at the knots
+    but the last.
+    """
     sharp, blurred = worlds[0], worlds[-1]
     first = gathered.mirror + sharp * gathered.open_mirror
     last = gathered.glossy + blurred * gathered.open_glossy
     if len(worlds) == 2:
         return (0.0, GLOSSY, 1.0), [first, last, around]
-    # Between the two, surfaces are half of either; the world has a level of its own.
+    # Between the two, surfaces are the mean of both; the world has a level of its own.
     opening = (gathered.open_mirror + gathered.open_glossy) / 2
     between = (gathered.mirror + gathered.glossy) / 2 + worlds[1] * opening
     return (0.0, SATIN, GLOSSY, 1.0), [first, between, last, around]
 
 
 def _reflected(knots: tuple[float, ...], images: list[Tensor]) -> ReflectedRadiance:
-    """Reflected radiance from the images of all knots, and after them those of what glows, if anything does."""
+    """Reflected radiance from the images at all knots, followed by those of glowing surfaces, if anything glows."""
     images, glow = images[: len(knots)], images[len(knots) :]
     if not glow:
         return ReflectedRadiance(knots, images)
-    # What the roughest surface reflects holds the glow already.
+    # The last image, at a roughness of 1, contains the glow already.
     faded = ReflectedRadiance((0.0, *BLURS, 1.0), [*glow, torch.zeros_like(glow[0])])
     return ReflectedRadiance(knots, images, faded)
 
 
 def table_of(frame: RenderState) -> RadianceTable:
-    """Radiances of what secondary rays meet."""
+    """The radiance of all that secondary rays can meet."""
     rows = zip(frame.shading_inputs, frame.cache.mean_texture, strict=True)
     bounces = min(frame.cache.scene.bounces, 1)
     albedos = torch.stack([p.base * mean * (1 - p.transmission) * bounces for p, mean in rows])
@@ -144,7 +148,7 @@ def table_of(frame: RenderState) -> RadianceTable:
 def _behind(
     frame: RenderState, table: RadianceTable, gathered: IndirectLight, material: int, part: slice
 ) -> Tensor:
-    """Radiance (3, n) seen through a material. The gradient of the IOR is a secant, for refracted rays may jump over edges."""
+    """Radiance (3, n) seen through samples of a material; its gradient by the IOR is a finite difference, as refracted rays may jump over edges."""
     ior = frame.shading_inputs[material].ior
     here = float(ior.detach())
 
@@ -157,7 +161,7 @@ def _behind(
     if not needs_gradient(ior):
         return straight
     with torch.no_grad():
-        # Where a bright lamp comes into view, the picture saturates: the slope is that of x / (1 + x).
+        # Differences are those of x / (1 + x), so that a bright light which comes into view does not dominate.
         low, high = (light / (1 + light) for light in (picture_at(-1), picture_at(1)))
         slope = (high - low) * (1 + straight) ** 2 / (here + _BENT - max(here - _BENT, 1.0))
     return straight + slope * (ior - ior.detach())
@@ -177,14 +181,14 @@ class RenderState:
 
     @functools.cached_property
     def colors(self) -> Tensor:
-        """(L, 3) colors of the lamps."""
+        """(L, 3) colors of the lights."""
         if not self.lamps:
             return self.sky.color.new_zeros((0, 3))
         return torch.stack([lamp.color for lamp in self.lamps])
 
     @functools.cached_property
     def sources(self) -> list[LightSource]:
-        """The lights of indirect light: few ones as they are, many in clusters."""
+        """The lights that indirect light uses: one for each cluster."""
         return self.cache.clusters.sources(self.lamps)
 
     @property
@@ -193,7 +197,7 @@ class RenderState:
         return colors_by_owner(self.lamps, self.sky)
 
     def only(self, owner: str) -> RenderState:
-        """The same with one owner's light only ("" for no owner's), and with what surfaces emit."""
+        """A copy with the light of one owner only ("" for none), and with what surfaces emit."""
         dark = torch.zeros_like(self.sky.color)
         lamps = [lamp if lamp.owner in (owner, "") else replace(lamp, color=dark) for lamp in self.lamps]
         sky = self.sky if owner == "world" else replace(self.sky, color=dark, backdrop_color=dark)
@@ -206,13 +210,13 @@ def colors_by_owner(lamps: Sequence[LightSource], sky: Sky) -> dict[str, Tensor]
 
 
 def mirror_weight(inputs: ShadingInputs) -> Tensor:
-    """Weight () of mirror reflection: 1 - roughness of a metal, else 0; in quarters, as rays are traced again when it changes."""
+    """Weight () of mirror reflection: 1 - roughness of a metal, else 0; in quarters, because rays are traced again when it changes."""
     smooth = (1 - inputs.roughness.detach()) * (inputs.metallic.detach() > 0.5)
     return (smooth * 4).ceil() / 4
 
 
 def sharp(inputs: ShadingInputs) -> Tensor:
-    """() bool: a material shows reflections sharp enough for several samples in every pixel."""
+    """() bool: True if a material's reflections are so sharp that every pixel needs several samples."""
     shines = (inputs.metallic > 0) | (inputs.specular > 0) | (inputs.transmission > 0)
     coated = (inputs.coat > _LEAST_COAT) & (inputs.coat_roughness < _SMOOTH)
     return (coated | (shines & (inputs.roughness < _SMOOTH))).reshape(())
@@ -221,7 +225,7 @@ def sharp(inputs: ShadingInputs) -> Tensor:
 def glass_transmittance(inputs: ShadingInputs) -> Tensor:
     """Gray transmittance () of one surface of a material's glass, in steps: shadows are traced again at each.
 
-    Cycles finds such light by chance, as caustics. Here it goes straight on, which is right on average. A
+    Cycles finds light through glass by chance, as caustics. Here the light goes straight on, which is right on average. A
     Principled BSDF tints it with the root of its base color at each surface (kernel/svm/closure.h).
     """
     solid = inputs.transmission * (1 - inputs.metallic)

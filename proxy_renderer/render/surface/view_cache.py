@@ -31,7 +31,7 @@ from .defocus import Defocus
 from .direct_lights import DirectLight, DirectLights, ViewSamples
 from .edges import Silhouettes
 
-_SMALL_STEP = 0.02  # of a lamp's distance: a loop may move it so far before bounced light is traced again
+_SMALL_STEP = 0.02  # relative change of a light's placement up to which loops keep the traced bounced light
 _LEAST_ALIKE = 0.1  # cosine between a mapped and the true normal below which the map does not count
 _GEOMETRIC = ("alpha", "normal", "far")
 
@@ -44,12 +44,12 @@ class GBuffer:
     material: Tensor  # (H, W) int64, number of the material in the pixel's middle; -1 for the world
     materials: tuple[str, ...]  # names of the materials by number
     normal: Tensor  # (H, W, 3) unit normals, x to the right, y up, z towards the camera; zero for the world
-    transmittance: Tensor  # (H, W) share of light that fog lets through from what is seen
+    transmittance: Tensor  # (H, W) share of light that fog lets through between what is seen and the camera
     pattern: Tensor  # (H, W) luminance of textured base colors relative to their material's mean; else 1
-    # names of the materials of the surroundings, which the subject may wear too: words for it do not paint them
+    # names of materials of the surroundings; the subject may have them too, but words for it do not paint them
     surrounding: tuple[str, ...] = ()
-    # (H, W, 3) a gray surface in the place of what is seen, as shown: its color is that of the light; black for the
-    # world; None where that is not known
+    # (H, W, 3) display image with gray surfaces in place of all that is seen: its colors are those of the light;
+    # black for the world; None if not rendered
     gray: Tensor | None = None
 
 
@@ -84,7 +84,7 @@ class ViewCache:
     ) -> None:
         self.scene, self.geometry, self.metals = scene, geometry, metals
         self.signature = view.signature()
-        moving = [lamp.moving for lamp in lamps]  # as gradients want it: before they are off
+        moving = [lamp.moving for lamp in lamps]  # asked while gradients are enabled: inside, none would move
         with torch.no_grad():
             self.samples = samples = take(geometry, view.detached(), smooth)
             self._hits = samples.hits.pick(slice(0, samples.surfaces))
@@ -103,7 +103,7 @@ class ViewCache:
             plain = np.ones(3, np.float32)
             means = (m.texture.image.mean((0, 1)) if m.texture else plain for m in scene.materials)
             self.mean_texture = [torch.from_numpy(mean).to(geometry.device) for mean in means]
-            # (1, N + B) 1 for samples of the subject, of any surface, and of what is no holdout, else 0
+            # (1, N + B) 1 or 0: for all but holdouts, for the subject, for any surface
             subject = torch.tensor([o.subject for o in scene.objects], device=geometry.device)
             owner = geometry.object[samples.hits.triangle.clamp_min(0)]
             holdout = torch.tensor(["film" in o.hidden for o in scene.objects], device=geometry.device)
@@ -111,7 +111,7 @@ class ViewCache:
             self.on_film = shown.to(torch.float32)[None]
             self.inside = (subject[owner] & samples.hits.hit & shown).to(torch.float32)[None]
             self.covered = samples.hits.hit.to(torch.float32)[None]
-            # (H, W) distance at the centers
+            # (H, W) distance along the rays through pixel centers
             self.depth = samples.center_hits.distance.view(view.size[::-1])
             self.defocus = Defocus.of(scene.camera, view.detached(), self.depth)
             self.mask = samples.resolve(self.inside).view(self.depth.shape)
@@ -122,14 +122,14 @@ class ViewCache:
         self._worlds = Recent()
 
     def aside(self) -> Self:
-        """A copy for one picture, whose moved lights leave nothing behind in this one."""
+        """A copy in which lights may move while this cache stays as it is."""
         other = copy(self)
         other._direct, other._bounced = self._direct.aside(), dict(self._bounced)
         other._through, other.indirect = dict(self._through), self.indirect.aside()
         return other
 
     def with_mirrors(self, metals: Tensor) -> Self:
-        """A copy with other mirrors (M,), in which only what they show is traced again."""
+        """A copy with other mirror weights (M,), in which only what mirrors show is traced again."""
         other = copy(self)
         other.metals, other._through = metals, {}
         other._direct, other._bounced = self._direct.aside(), dict(self._bounced)
@@ -138,7 +138,7 @@ class ViewCache:
         return other
 
     def view_samples(self, view: View) -> ViewSamples:
-        """The samples as the view sees them; re-evaluated with gradients when it asks for them."""
+        """The samples as the view sees them; computed again, with gradients, if the view is moving."""
         if not view.moving:
             return self._view_samples
         origin, toward = view.rays(self.samples.place)
@@ -147,7 +147,7 @@ class ViewCache:
         return ViewSamples.of(self._bumped(surface, toward), toward)
 
     def _bumped(self, surface: Surface, toward: Tensor) -> Surface:
-        """The surface with the normals of its materials' maps, turned to the rays (3, N) as its own are."""
+        """The surface with normals from its materials' normal maps, turned to face the rays (3, N + B)."""
         slices = self.samples.slices
         if not any(self._maps.has(material, "normal") for material, _, _ in slices):
             return surface
@@ -157,7 +157,7 @@ class ViewCache:
             normals.append(part.normal)
             if self._maps.has(material, "normal"):
                 mapped = unit(self._maps.at(material, "normal", part) * 2 - 1)
-                # a map that the camera did not see here may hold anything
+                # where the exported camera did not see the surface, a map may have any value
                 sound = dot(mapped, part.normal) > _LEAST_ALIKE
                 normals[-1] = facing(torch.where(sound, mapped, part.normal), toward[:, start:stop])
         return replace(surface, normal=torch.cat(normals, 1))
@@ -175,7 +175,7 @@ class ViewCache:
         return found
 
     def pattern(self) -> Tensor:
-        """(H, W) luminance of textured base colors relative to their mean over what is seen; 1 where none is linked."""
+        """(H, W) luminance of textured base colors relative to their mean over the samples; 1 where there is no texture."""
         relative = torch.ones_like(self.inside)
         for material, start, stop in self.samples.slices:
             color = self.textured_inputs(material, slice(start, stop), self._view_samples).get("base_color")
@@ -186,7 +186,7 @@ class ViewCache:
 
     @torch.no_grad()
     def gbuffer(self, view: View, transmittance: Tensor, gray: Tensor) -> GBuffer:
-        """The G-buffer of a view, with the transmittance (H, W) of the fog before it, and a gray surface (H, W, 3) in its place."""
+        """The G-buffer of a view, with the fog's `transmittance` (H, W) and the `gray` image (H, W, 3)."""
         hits, still = self.samples.center_hits, view.detached()
         _, toward = still.rays(pixel_centers(view.size).to(self.geometry.device))
         surface = self.geometry.surface(hits, toward)
@@ -205,7 +205,7 @@ class ViewCache:
     def direct_light(
         self, index: int, lamps: Sequence[LightSource], view_samples: ViewSamples, view: View
     ) -> DirectLight:
-        """Direct light of one of the lights; its shadows are traced again when it, or one of its cluster, has moved."""
+        """Direct light of one of the lights; shadows are traced again if the light, or another of its cluster, has moved."""
         row, moved = self.clusters.row[index], self._direct.forget_moved(index, lamps)
         first = index == self.clusters.clusters[row].members[0]
         if first and (moved or row not in self._bounced):
@@ -226,7 +226,10 @@ class ViewCache:
     def behind(
         self, material: int, side: int, part: slice, ior: float, lamps: Sequence[LightSource]
     ) -> RefractedHits:
-        """The view through a material's samples at an IOR, or next to it (side -1, 1); the lamps stand for the clusters of lights."""
+        """Hits of rays through a material's samples `part`, refracted by an IOR; kept by material and side.
+
+        `side` is 0 for the material's own IOR, -1 and 1 for those next to it. `lamps` has one light for each cluster.
+        """
         place = tuple(lamp.signature() for lamp in lamps)
         kept = self._through.get((material, side))
         if kept is None or abs(kept[0] - ior) > 1e-3:
@@ -260,7 +263,10 @@ class ViewCache:
             return Silhouettes.of(self.samples, self._view_samples.surface)
 
     def worlds(self, sky: Sky, view_samples: ViewSamples) -> tuple[Tensor, ...]:
-        """Uncolored world in the mirror directions, sharp to blurred (3, N), and behind all (3, B); a picture has three levels."""
+        """Uncolored radiance of the world: in the mirror directions, sharp to blurred, (3, N) each; last, behind all, (3, B).
+
+        The mirror directions have two levels for a plain color, three for an image.
+        """
         if needs_gradient(sky.turn) or (view_samples.moving and sky.pictured):
             return _worlds(sky, view_samples)
         with torch.no_grad():

@@ -3,9 +3,9 @@
 
 Extinction σ(x) = density · exp(−falloff · max(0, z − base − offset)), gray, inside an axis-aligned box or everywhere.
 
-The rays of a coarse picture are cut into segments. In each, a light's irradiance is averaged analytically, so that its
+The rays of a coarse image are cut into segments. In each, a light's irradiance is averaged analytically, so that its
 glow needs no dense samples, and the scattered share is exact: the transmittance lost in the segment. The running sums
-are kept on a grid over picture and depth (froxels), which samples look up by their own depth: fog in front of a near
+are kept on a grid over image and depth (froxels), which samples look up by their own depth: fog in front of a near
 subject does not mix with fog in front of the background. Cycles, too, scatters once with its default of no volume
 bounces. Vectors are planar, (3, …), as in all shading code.
 """
@@ -30,21 +30,21 @@ from ..lights.light_source import LightSource
 _Vectors = Float[Tensor, "3 *#n"]
 _Numbers = Float[Tensor, "*#n"]
 
-_EVERYWHERE = 1.0e3  # diameter of an infinite fog in sizes of the box: farther away it counts no more
+_EVERYWHERE = 1.0e3  # diameter of an infinite fog in diagonals of the box: fog farther away is ignored
 SEGMENTS = 16
-COARSE = 8  # pixels of the picture per ray of the coarse one
-_BULK = 3.0  # distance up to which segments are fine, in distances of the subject or of the farthest lamp
-_WORLD_COARSE = 4  # rays of the coarse picture per ray along which the world's light is summed
+COARSE = 8  # pixels per ray of the coarse image, along each axis
+_BULK = 3.0  # distance up to which segments are fine, in distances of the subject or of the farthest light
+_WORLD_COARSE = 4  # rays of the coarse image per ray of the world's light, along each axis
 
 
 class FogMedium:
     """The scene's fog with one set of values.
 
     Attributes:
-        density: () extinction below the height where it thins, 1/m.
+        density: () extinction in 1/m, below the height where the fog thins.
         albedo: (3,) share of the extinguished light that is scattered.
         anisotropy: () Henyey-Greenstein g.
-        extent: Length that crosses all of it, meters.
+        extent: Length in meters that crosses all of the fog.
     """
 
     def __init__(self, scene: SceneData, settings: RenderValues) -> None:
@@ -66,14 +66,14 @@ class FogMedium:
 
     @property
     def shape(self) -> tuple[float, ...] | None:
-        """Numbers that `thickness` depends on; None while they are learned."""
+        """Numbers that `thickness` depends on; None while they need gradients."""
         if not self._thins:
             return ()
         return None if needs_gradient(self._falloff, self._top) else (float(self._falloff), float(self._top))
 
     @property
     def signature(self) -> tuple[float, ...] | None:
-        """Numbers that transmittance and phase depend on; None while they are learned."""
+        """Numbers that transmittance and phase depend on; None while they need gradients."""
         if self.shape is None or needs_gradient(self.density, self.anisotropy):
             return None
         return float(self.density), float(self.anisotropy), *self.shape
@@ -169,13 +169,13 @@ VisibilityTest = Callable[..., Tensor]
 
 @dataclass(frozen=True)
 class FroxelGrid:
-    """In-scattered light and optical depth between the camera and any point, on a grid over picture and depth."""
+    """In-scattered light and optical depth between the camera and any point, on a grid over image and depth."""
 
     _sums: Tensor  # (1, 4, SEGMENTS + 1, rows, columns): scattered light, and optical depth
     _size: tuple[int, int]
     _near: float
     _growth: float
-    _bulk: float  # meters up to which the cuts grow; the last one lies at the end
+    _bulk: float  # meters up to which the cuts' distances grow; one more cut is at `_end`
     _end: float
 
     def look_up(self, place: Tensor, distance: Tensor) -> tuple[Tensor, Tensor]:
@@ -205,7 +205,7 @@ class SingleScattering:
     ) -> FroxelGrid:
         """The fog in front of a camera; up to a typical distance `near` in meters the segments are finest.
 
-        The world is blurred radiance (3, 14) from `DIRECTIONS`, or (3, 1) for an even one.
+        `world` is its blurred radiance (3, 14) from `DIRECTIONS`, or (3, 1) if it is even.
         """
         eye = view.position.detach()
         away = [length(lamp.position.detach() - eye, 0.0) for lamp in lamps if not lamp.at_infinity]
@@ -226,7 +226,7 @@ class SingleScattering:
         return FroxelGrid(sums, view.size, near, growth, bulk, end)
 
     def lamp_light(self, fog: FogMedium, rays: RaySegments, lamp: LightSource, parts: int) -> Tensor:
-        """In-scattered light (3, S, rows, columns) of one light in S segments of some parts, for an albedo of 1."""
+        """In-scattered light (3, S, rows, columns) of one light, for an albedo of 1; each of S segments has some `parts`."""
         make = functools.partial(self._strength, fog, rays, lamp, parts)
         key = None if lamp.moving else (lamp.signature(), parts)
         return self._of(fog, rays, lamp.light.name, key, make) * lamp.color.view(3, 1, 1, 1)
@@ -241,7 +241,7 @@ class SingleScattering:
         return self._strengths.of(name, (fog.signature, rays.signature, cut, key), make)
 
     def _strength(self, fog: FogMedium, rays: RaySegments, lamp: LightSource, parts: int) -> Tensor:
-        """The same (S, rows, columns) per unit of the light's color."""
+        """`lamp_light` (S, rows, columns) per unit of the light's color."""
         direct = lamp.in_scattering(rays, parts)
         strength = direct.irradiance
         if lamp.light.shadow:
@@ -282,6 +282,9 @@ def phase(cosine: Tensor, g: Tensor) -> Tensor:
 
 
 def phase_shares(cosine: Tensor, g: Tensor) -> Tensor:
-    """Shares (14, ...) of light from `DIRECTIONS` in what is scattered; these few miss a narrow lobe, whose energy is kept."""
+    """Share (14, ...) of the scattered light that comes from each of `DIRECTIONS`, by cosines (14, ...).
+
+    The shares sum to 1: 14 directions miss much of a narrow lobe, whose energy would be lost.
+    """
     lobe = phase(cosine, g) * WEIGHTS.to(cosine).view(-1, *[1] * (cosine.dim() - 1))
     return lobe / lobe.sum(0)

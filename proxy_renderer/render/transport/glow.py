@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rays over hemispheres and blurred reflections, and how much of what they see glows.
+"""Rays over hemispheres and blurred reflections, and the share of them that glowing surfaces fill.
 
-What glows is bright and often small. Rays of a lobe find it by chance, points on it are seen by chance; both are taken
-and weighed by the power heuristic, as Cycles does it (Veach and Guibas 1995, "Optimally Combining Sampling
-Techniques for Monte Carlo Rendering"). A lamp's mirror image blurs with roughness, and its contrast is too high to
-mix a sharp with a very blurred one: hence the several roughnesses.
+Glowing surfaces are bright and often small. Some rays are drawn from the lobe, others go to random points on glowing surfaces.
+Both are combined by the power heuristic, as in Cycles (Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte
+Carlo Rendering"). The mirror image of a glowing surface blurs with roughness, and its contrast is too high to mix a sharp image
+with a blurred one: hence the several values of roughness.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ _LEAST_COSINE = 0.02
 
 @dataclass(frozen=True)
 class GlowShares:
-    """Shares of what A points see."""
+    """Shares that glowing materials fill of what A points see."""
 
-    # (A, M) of their hemisphere, weighed by the cosine, that each material's glow fills; 0 for what lamps
-    # stand for
+    # (A, M) of their hemisphere, weighted by the cosine, that each material's glow fills; 0 for materials
+    # that lights stand for
     wide: Tensor
-    blurred: tuple[Tensor, ...]  # for each of `BLURS`, (A, M) of the reflection of such a surface
+    blurred: tuple[Tensor, ...]  # for each roughness in `BLURS`, (A, M) of the blurred reflection
 
 
 def glow_of(
@@ -48,10 +48,10 @@ def glow_of(
     materials: int,
     generator: torch.Generator,
 ) -> GlowShares:
-    """Looks for what glows, from the points of some lobes.
+    """Finds the shares that glowing materials fill at the points of `lobes`.
 
-    Of the `glowing` materials, lamps stand for the `emissive` ones in diffuse light. Those that have the same number in
-    `near` (A,) share rays of reflections, in `wide` (A,) those of the hemisphere: see `GatherPoints.turns`.
+    Of the `glowing` materials, lights stand for the `emissive` ones in diffuse light. Points with the same number in `near` (A,)
+    share random numbers of reflections, in `wide` (A,) those of the hemisphere: see `GatherPoints.turns`.
     """
     points = lobes.points
     diffuse = _Search(geometry, points, wide, sorted(set(glowing) - set(emissive)), "diffuse", generator)
@@ -66,7 +66,7 @@ def glow_of(
 
 
 class _Search:
-    """Looks from points for what glows, as one kind of rays sees it; of each material as many points, chosen once."""
+    """Search for glowing surfaces from points, by one kind of rays; target points are chosen once, equally many for each material."""
 
     def __init__(
         self,
@@ -94,8 +94,8 @@ class _Search:
             self._aim(lamps)
 
     def _aim(self, lamps: Tensor) -> None:
-        """Chooses points on triangles, and finds which of them can be seen from where, and how densely they lie."""
-        # Points that are spread evenly over the lamps' areas; those who share them take turns.
+        """Chooses target points on the triangles `lamps`, and traces the share of their light that arrives at each point."""
+        # Points that are spread evenly over the glowing areas, and divided among the turns.
         chance = (self._density * self._areas)[lamps].cumsum(0)
         spots = shared_points(_LAMP_RAYS, self._turn, self._generator)
         order = torch.arange(_LAMP_RAYS, device=chance.device) / _LAMP_RAYS
@@ -125,7 +125,8 @@ class _Search:
     ) -> Tensor:
         """Shares (A, M) of a lobe that the materials' glow fills.
 
-        Directions makes rays (3, A * R) of the lobe from (2, A, R) in [0, 1); density gives theirs (A * R) at such directions.
+        `directions` maps (2, A, R) in [0, 1) to rays (3, A * R) of the lobe; `density` is the probability density (A * R) of
+        rays.
         """
         points = self._origin.shape[1]
         if self._targets is None:
@@ -141,7 +142,10 @@ class _Search:
     def _weighed(
         self, materials: int, hits: Hits, toward: Tensor, lobe: Tensor, seen: Tensor, by_lobe: bool
     ) -> Tensor:
-        """Sums (A, M) of rays, chosen by the lobe or else by the lamps, by the power heuristic; a share `seen` arrives."""
+        """Sums (A, M) of rays, weighted by the power heuristic; the rays are drawn `by_lobe`, or else by target points.
+
+        `lobe` is the lobe's density along each ray, `seen` the share of light that arrives.
+        """
         index = (hits.hit & (seen > 0) & (self._density[hits.triangle.clamp_min(0)] > 0)).nonzero()[:, 0]
         triangle, distance = hits.triangle[index], hits.distance[index]
         a, b, c = (self._geometry.corners[k, triangle].T for k in range(3))
@@ -159,7 +163,7 @@ class _Search:
 
 @dataclass(frozen=True)
 class LobeRays:
-    """Rays that leave A points which rays have met."""
+    """Rays that leave A points, which other rays have met."""
 
     points: Surface  # the points
     arrived: Tensor  # (3, A) directions of the rays that have met them
@@ -167,22 +171,22 @@ class LobeRays:
 
     @staticmethod
     def of(points: Surface, arrived: Tensor) -> LobeRays:
-        """For points and (3, A) directions of the rays that have met them."""
+        """From the points, and directions (3, A) of the rays that have met them."""
         return LobeRays(points, arrived, (-dot(arrived, points.normal)).clamp(_LEAST_COSINE, 1.0))
 
     def hemisphere(self, uv: Tensor) -> Tensor:
-        """Rays (3, A * R) above the points, distributed like a cosine, from (2, A, R) in [0, 1)."""
+        """Cosine-distributed rays (3, A * R) above the points, from (2, A, R) in [0, 1)."""
         rays = uv.shape[2]
         toward = cosine_directions(self.points.normal.repeat_interleave(rays, 1), uv.flatten(1))
         return above(toward, self.points.facet.repeat_interleave(rays, 1))
 
     def hemisphere_density(self, way: Tensor) -> Tensor:
-        """Density (A * R) of these at directions (3, A * R)."""
+        """Probability density (A * R) of `hemisphere` at directions (3, A * R)."""
         rays = way.shape[1] // self.points.normal.shape[1]
         return dot(self.points.normal.repeat_interleave(rays, 1), way).clamp_min(0.0) / math.pi
 
     def reflections(self, uv: Tensor, alpha: float) -> Tensor:
-        """Rays (3, A * R) that visible GGX microfacets of a width reflect, from (2, A, R) in [0, 1)."""
+        """Rays (3, A * R) that visible GGX microfacets of width `alpha` reflect, from (2, A, R) in [0, 1)."""
         rays = uv.shape[2]
         fields = self.points.normal, self.points.facet, self.arrived
         normal, facet, arrived = (f.repeat_interleave(rays, 1) for f in fields)
@@ -194,7 +198,7 @@ class LobeRays:
         return above(reflect(arrived, across * x + cross(normal, across) * y + normal * z), facet)
 
     def reflections_density(self, way: Tensor, alpha: float) -> Tensor:
-        """Density (A * R) of these at directions (3, A * R): that of the half vector over 4 h.v."""
+        """Probability density (A * R) of `reflections` at directions (3, A * R): the half vector's over 4 h.v."""
         rays = way.shape[1] // self.points.normal.shape[1]
         normal, arrived = (f.repeat_interleave(rays, 1) for f in (self.points.normal, self.arrived))
         cosine, squared = self.cosine.repeat_interleave(rays), alpha * alpha

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Indirect light of the samples: over other surfaces, and from the world.
+"""Indirect light of the samples: from other surfaces, and from the world.
 
-Diffuse light and blurred reflections vary slowly: they are gathered at few points, where one matrix product per render
-weighs all rays, and interpolated to the samples (an irradiance cache). Mirror images are traced per sample.
+Diffuse light and blurred reflections vary slowly. They are gathered at few points, where one matrix product per render weights
+all rays, and interpolated to the samples (an irradiance cache). Mirror images are traced per sample.
 """
 
 import math
@@ -37,13 +37,13 @@ class IndirectLight:
     """Light of other surfaces and of the world at N samples."""
 
     irradiance: Tensor  # (3, N) of surfaces and world
-    glossy: Tensor  # (3, N) blurred and mirrored radiance of surfaces and fog, without the world
-    mirror: Tensor  # (3, N) blurred and mirrored radiance of surfaces and fog, without the world
-    open_glossy: Tensor  # (N,) shares of the world in the blurred and in the mirrored reflection
-    open_mirror: Tensor  # (N,) shares of the world in the blurred and in the mirrored reflection
+    glossy: Tensor  # (3, N) blurred reflection of surfaces and fog, without the world
+    mirror: Tensor  # (3, N) mirror image of surfaces and fog, without the world
+    open_glossy: Tensor  # (N,) share of the world in the blurred reflection
+    open_mirror: Tensor  # (N,) share of the world in the mirror image
     gather_points: Tensor  # (A, 3) irradiance at the gather points
-    # radiance (3, N) of what glows: its mirror image, then blurred as `glow.BLURS` says. The other
-    # reflections lack it. Empty where nothing glows.
+    # radiance (3, N) of glowing surfaces: their mirror image, then blurred by each of `glow.BLURS`. `glossy`
+    # and `mirror` lack it. Empty if nothing glows.
     glow: tuple[Tensor, ...] = ()
 
 
@@ -51,21 +51,22 @@ class IndirectLight:
 class _PointWeights:
     """Weights of the radiances of a `RadianceTable` at A points.
 
-    Most of it is scattered: with many lights these are millions of numbers, so those of lights that have moved are kept apart.
+    Most are weights of scattered light, millions of numbers with many lights: instead of a copy of all, those of lights that have
+    moved are kept apart.
     """
 
     _all: Tensor  # (A, S, M) of what materials scatter of each source
     _emission: Tensor  # (A, M)
     _sky: Tensor  # (A, 9)
-    _moved: Mapping[int, Tensor] = field(default_factory=dict)  # source -> (A, M) in its place
+    _moved: Mapping[int, Tensor] = field(default_factory=dict)  # source to (A, M), used instead of `_all`
 
     @classmethod
     def of(cls, weights: Tensor, sky: Tensor) -> Self:
-        """From weights (A, S + 1, M), of which the last are those of emission, and of the sky's harmonics (A, 9)."""
+        """From weights (A, S + 1, M), of which the last are those of emission, and weights of the world's harmonics (A, 9)."""
         return cls(weights[:, :-1].contiguous(), weights[:, -1].clone(), sky)
 
     def with_lamp(self, sources: Sequence[int], weights: Tensor) -> Self:
-        """The same with other weights (A, n, M) of n sources."""
+        """A copy with other weights (A, n, M) of n sources."""
         return replace(self, _moved={**self._moved, **dict(zip(sources, weights.unbind(1), strict=True))})
 
     def scattered(self, table: RadianceTable, shares: Tensor | None = None) -> Tensor:
@@ -110,7 +111,7 @@ class FinalGather:
         generator: torch.Generator,
     ) -> None:
         self._view = view
-        self._borrowed = False  # whether the hits belong to another one
+        self._borrowed = False  # whether hits are shared with the original of a copy
         self._gather_points = gather_points = GatherPoints(samples, surface)
         self.gather_points = gather_points.index
         points = surface.pick(gather_points.index)
@@ -119,7 +120,7 @@ class FinalGather:
         near, wide = gather_points.turns(2), gather_points.turns(4)
         glossy = shared_points(_GLOSSY_RAYS, near, generator)
         diffuse = shared_points(_DIFFUSE_RAYS, wide, generator)
-        # What metals send on is a caustic on a matte surface: as if they scattered it evenly, on average.
+        # Light from metals on matte surfaces is a caustic: metals scatter it evenly here, right on average.
         wide_rays = geometry, origin, lobes.hemisphere(diffuse), _DIFFUSE_RAYS, torch.zeros_like(metals)
         self.diffuse = SecondaryHits(*wide_rays, lamps, "diffuse", deep=True)
         narrow_rays = geometry, origin, lobes.reflections(glossy, GLOSSY**2), _GLOSSY_RAYS, metals
@@ -140,13 +141,13 @@ class FinalGather:
             self._glow = glow_of(geometry, lobes, *turns, len(metals), generator)
 
     def aside(self) -> Self:
-        """A copy in which lights may move."""
+        """A copy in which lights may move while this one stays as it is."""
         other = copy(self)
         other._borrowed = True
         return other
 
     def with_mirrors(self, metals: Tensor, lamps: Mapping[int, LightSource]) -> Self:
-        """A copy with other mirrors; see `SecondaryHits.with_mirrors`."""
+        """A copy with other mirror weights (M,); see `SecondaryHits.with_mirrors`."""
         other = self.aside()
         other.glossy = self.glossy.with_mirrors(metals, lamps)
         other.mirror = self.mirror.with_mirrors(metals, lamps)
@@ -169,7 +170,7 @@ class FinalGather:
             self._weights = moved, blurred.with_lamp(rows, self._smooth_glossy(narrow))
 
     def spread_to(self, hits: SecondaryHits) -> SparseWeights:
-        """Interpolation of irradiance from the gather points to hits that the picture shows, or nearly shows."""
+        """Interpolation of irradiance from the gather points to hits that the image shows, or nearly shows."""
         surface = hits.surface
         distance = length(surface.position - self._view.position[:, None])
         place = self._view.project(surface.position)
@@ -210,7 +211,7 @@ class FinalGather:
     def following(
         self, gathered: IndirectLight, table: RadianceTable, lamps: Sequence[LightSource]
     ) -> IndirectLight:
-        """The same light with gradients by the positions of lights that are learned; these ignore fog between surfaces."""
+        """`gathered` with added gradients by the placement of lights that are learned; these gradients ignore shadows, and fog between surfaces."""
         moving = [(index, lamp) for index, lamp in enumerate(lamps) if lamp.moving]
         if not moving:
             return gathered
@@ -224,12 +225,12 @@ class FinalGather:
         return replace(gathered, **{name: getattr(gathered, name) + light for name, light in more.items()})
 
     def _weighed(self) -> tuple[_PointWeights, _PointWeights]:
-        """Weights of diffuse light and of blurred reflections, which lack the world's."""
+        """Weights of diffuse light, and of blurred reflections, which do not contain the world."""
         if self._weights is None:
             wide, narrow = self._smooth(self.diffuse.weights()), self._smooth_glossy(self.glossy.weights())
             if self._glow is not None:
                 wide[:, -1], narrow[:, -1] = self._gather_points.smooth(self._glow.wide) * math.pi, 0.0
-                # Averages would blur the edges of what glows; rays of the widest lobe alone need them.
+                # Averaging would blur edges of glow; only the widest lobe is noisy enough to need it.
                 *narrower, widest = self._glow.blurred
                 self._blurred = [*narrower, self._gather_points.smooth_glossy(widest)]
             sky = self._gather_points.smooth(self.diffuse.harmonics.T) * math.pi
@@ -237,7 +238,7 @@ class FinalGather:
         return self._weights
 
     def _smooth(self, weights: Tensor) -> Tensor:
-        """Weights of diffuse radiance (A, n, M) averaged against noise, as those of irradiance."""
+        """Weights of irradiance from those of mean radiance (A, n, M), averaged against noise."""
         return self._gather_points.smooth(weights.flatten(1)).view_as(weights) * math.pi
 
     def _smooth_glossy(self, weights: Tensor) -> Tensor:
@@ -250,11 +251,11 @@ class FinalGather:
     def _shown_glow(
         self, table: RadianceTable, blurred: Tensor, passing: Tensor | float = 1.0
     ) -> tuple[Tensor, ...]:
-        """Glow at the samples: its mirror image, of which a share `passing` arrives, and blurred (3 K, N)."""
+        """`IndirectLight.glow` at the samples, from its blurred reflections (3 K, N); fog lets a share `passing` of the mirror image through."""
         if self._glow is None:
             return ()
         return self.mirror.emitted(table.emission) * passing, *blurred.split(3)
 
     def _dark(self, table: RadianceTable) -> RadianceTable:
-        """The table without emission, where that is looked for on its own."""
+        """The table without emission if glowing surfaces are searched for separately."""
         return table if self._glow is None else replace(table, emission=torch.zeros_like(table.emission))

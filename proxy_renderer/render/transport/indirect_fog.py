@@ -30,7 +30,7 @@ T = TypeVar("T")
 _ACROSS = 24
 _DIFFUSE_RAYS = 6
 _SEGMENTS = 5
-_NEAR = 0.1  # first cut of a ray, of the view's distance: in thick fog, light scattered close counts most
+_NEAR = 0.1  # first cut of a ray, relative to the viewing distance: in thick fog, near light counts most
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class IndirectFog:
 
     ambient: Tensor  # (A,) transmittance of the world's light
     passing: Tensor  # (A,) transmittance between the point and the surfaces that light it diffusely
-    path_transmittance: Tensor  # (A, S) transmittance from a source over such a surface to the point
+    path_transmittance: Tensor  # (A, S) transmittance from a source to those surfaces and on to the point
     light_transmittance: Tensor  # (A, S) transmittance from a source to those surfaces
     scattered: Tensor  # (A, 3) irradiance from light that the fog scatters
     haze: Tensor  # (A, 3) in-scattered radiance in the mirror direction, as if the fog were endless there
@@ -95,7 +95,7 @@ class IndirectFogRays:
         light = self._light(fog, lamps, sky, passing)  # (3, P, rays)
         scattered = light[:, :, :-1].mean(2) * math.pi
         haze = light[:, :, -1] / (1 - mirrored).clamp_min(1e-4)
-        # A few rays are noisy: what they bring is averaged, then interpolated to the gather points.
+        # Few rays are noisy: their sums are averaged over points, then interpolated to the gather points.
         rows = (torch.stack((ambient, kept)), path_transmittance.T, light_transmittance.T, scattered)
         even = self._smooth(torch.cat(rows).T)
         carried = self._to_gather_points(torch.cat((even, haze.T, mirrored[:, None]), 1))
@@ -116,7 +116,7 @@ class IndirectFogRays:
         return (reaching * facing).sum(0) / facing.sum(0)
 
     def _of(self, fog: FogMedium, name: Hashable, make: Callable[[], T], key: Hashable = None) -> T:
-        """A value that depends on the fog and a key; made again when they change, or the fog is learned."""
+        """A value that depends on the fog and a key; made again when they change, or while the fog needs gradients."""
         return make() if fog.signature is None else self._kept.of(name, (fog.signature, key), make)
 
     def _passing(self, fog: FogMedium) -> tuple[Tensor, Tensor, Tensor]:
@@ -139,7 +139,7 @@ class IndirectFogRays:
 
     @torch.no_grad()
     def _hit_irradiance(self, lamp: LightSource) -> Tensor:
-        """A light's irradiance (P, rays) where the diffuse rays end, never 0: it is divided by."""
+        """A light's irradiance (P, rays) where the diffuse rays end; never 0, because its sum is a divisor."""
         irradiance = shadowed_irradiance(self._geometry, lamp, self._surface)
         irradiance = (irradiance.view(self._hit.shape) * self._hit)[:, :-1]
         return irradiance + 1e-3 * irradiance.mean() + 1e-12

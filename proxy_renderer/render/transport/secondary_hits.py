@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Secondary rays: traced once per view, straight or refracted through glass, their hits shaded anew in every render.
 
-The radiance of a hit is albedo x irradiance / pi + emission. One more ray from the hit adds a second bounce, with the
-same albedo. That is linear in albedo x light: the rays of a point add up to a fixed row of weights over a small table
-of radiances.
+The radiance of a hit is albedo x irradiance / pi + emission. One more ray from the hit adds a second bounce, with the same
+albedo. That is linear in albedo x light, so that all rays of a point become one fixed row of weights over a small table of
+radiances.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ from ..material.inputs import MaterialTextures
 class RadianceTable:
     """Radiance of all that secondary rays can meet, in one render.
 
-    There are S = 2 (L + 2) sources: the L lights, the upper and the lower hemisphere of the world, and the same for light that
-    is scattered twice and more.
+    There are S = 2 (L + 2) sources: the L lights and the upper and lower hemisphere of the world, then the same again for light
+    that is scattered twice and more.
     """
 
-    scattered: Tensor  # (S, M, 3) what each material scatters of each source
+    scattered: Tensor  # (S, M, 3) radiance that each material scatters of each source
     emission: Tensor  # (M, 3)
     sky: Tensor  # (9, 3) spherical harmonics of the world
     albedo: Tensor  # (M, 3) share of light that each material scatters
@@ -53,7 +53,7 @@ class RadianceTable:
         """
         sources = torch.cat((lamps / math.pi, hemispheres))
         again = albedo * albedo / (1 - albedo / 2)  # third and later bounces follow the second
-        # A metal shows things of other colors than its own: of the mean color of those that are none.
+        # A metal mirrors surfaces of other colors: at the second bounce, the mean color of non-metals.
         plain = (1 - metallic)[:, None] + 1e-6
         common = (albedo * plain).sum(0) / plain.sum(0)
         again = torch.lerp(again, albedo * common / (1 - common / 2), metallic[:, None])
@@ -61,15 +61,15 @@ class RadianceTable:
         return RadianceTable(scattered, emission, sky, albedo)
 
     def dimmed(self, shares: Tensor) -> RadianceTable:
-        """The table behind fog that lets shares (S,) of the sources through."""
+        """The table with its sources dimmed by fog, which lets shares (S,) of them through."""
         return replace(self, scattered=self.scattered * shares[:, None, None])
 
 
 class _HitRadiance(torch.autograd.Function):
-    """Radiance (3, N) of single hits, 0 where they leave the scene: a product with a mostly empty matrix, without that matrix.
+    """Radiance (3, N) of single hits, 0 where rays leave the scene; by material, without a large sparse matrix.
 
-    `ambient` (3, N) is irradiance that is not the table's, `incoming` (S, N) how much of each source a hit gets; `members` has the hits
-    of each material, whose mean color textures (3, N) are relative to.
+    `ambient` (3, N) is irradiance besides that of the table's sources. `incoming` (S, N) is how much of each source a hit gets.
+    `members` has the indices of each material's hits. `relative_base_color` (3, N) is texture over mean color.
     """
 
     @staticmethod
@@ -104,11 +104,11 @@ class _HitRadiance(torch.autograd.Function):
         return scattered, emission, albedos, ambients, None, None, None
 
 
-_WORLD_AT_SECOND = 0.3  # most of the world that second bounces see; in rooms, which rays rarely leave, less
+_WORLD_AT_SECOND = 0.3  # most of the world that second hits get; less in rooms, which rays rarely leave
 
 
 _Bounce = tuple[int, Tensor, Surface, Tensor]
-"""A row of `SecondaryHits.incoming`, the rays of it, the surfaces that they light, and the share of that which they carry."""
+"""A row of `SecondaryHits.incoming`, indices of its rays, the surfaces that send them light, and the share of it that counts."""
 _MOST_WALLS = 8  # surfaces of glass that a ray is followed through; Cycles' default is twelve
 
 
@@ -117,13 +117,15 @@ class SecondaryHits:
 
     Args:
         origin, toward: (3, A) where the rays start, and their unit directions (3, A * R).
+        count: R.
         metals: (M,) weight of mirror reflection of each material, 0 for what is no metal.
+        lamps: Number of lights, or of clusters of lights.
         maps: Textures of the hits; None for each material's mean color.
         deep: Whether hits get the world's light and a second bounce.
 
     Attributes:
         open: (A,) share of rays that leave the scene.
-        mirror_weight: (A * R,) that of the hits' materials.
+        mirror_weight: (A * R,) weight of mirror reflection of the hits.
     """
 
     def __init__(
@@ -148,7 +150,7 @@ class SecondaryHits:
         self.materials, self.lamps = len(metals), lamps
         self.owner = self.surface.material * hits.hit + self.materials * ~hits.hit
         self._members: list[Tensor] = []
-        # Rows: every lamp and both halves of the world at the hits; the same where one more ray from there ends.
+        # Rows: every light and both hemispheres of the world at the hits, then the same at second hits.
         self.incoming = torch.zeros((2 * (lamps + 2), len(self.hit)), device=self.hit.device)
         self._clear = torch.zeros_like(self.incoming)
         self._toward, self._deep = toward, deep
@@ -159,15 +161,15 @@ class SecondaryHits:
         self.harmonics = (harmonics(toward) * (1 - self.hit)).view(9, -1, count).mean(2)
 
     def _weigh(self, metals: Tensor) -> None:
-        """Takes on mirrors (M,)."""
+        """Sets the mirror weights of materials (M,), and what follows from them."""
         self.mirror_weight = metals[self.surface.material] * self.hit
         self._matte = (self.hit > self.mirror_weight).nonzero()[:, 0]  # mirrors do not scatter light
         self._first = self.surface.pick(self._matte)
-        # Without it, the light that lies about counts where a metal is rough, and what it mirrors otherwise.
+        # If not deep, second rays have the mirrored share; ambient light (see `image`) has the rest.
         self._share = torch.ones_like(self.hit) if self._deep else self.mirror_weight
 
     def with_mirrors(self, metals: Tensor, lamps: Mapping[int, LightSource]) -> SecondaryHits:
-        """A copy with other mirrors (M,), where only what these show is traced again, for the lamps, by row, traced before."""
+        """A copy with other mirror weights (M,); only hits that change are traced again, for the `lamps` (row to light) traced before."""
         other = self.aside()
         other._weigh(metals)
         changed = other.mirror_weight != self.mirror_weight
@@ -186,7 +188,7 @@ class SecondaryHits:
         return other
 
     def _look_around(self, among: Tensor) -> None:
-        """Looks from some of the hits (R,) bool at what lights them: the world, or the surface of a second bounce."""
+        """Traces second rays from the hits in `among` (A * R,) bool: to the world, or the surface of a second bounce."""
         around = self.hit.bool() if self._deep else self.mirror_weight > 0
         chosen = (among & around).nonzero()[:, 0]
         if len(chosen):
@@ -196,7 +198,7 @@ class SecondaryHits:
             self.incoming[-2:] = torch.stack((up, down)) * leaves[around].mean().clamp_max(_WORLD_AT_SECOND)
 
     def _look_from(self, chosen: Tensor) -> None:
-        """Traces one ray from each hit at an index (H,): where metals mirror, else anywhere above, like a cosine."""
+        """Traces one ray from each hit with an index in `chosen` (H,): mirrored at metals, cosine-distributed elsewhere."""
         generator = torch.Generator().manual_seed(7)
         uv = torch.rand((2, len(self.hit)), generator=generator).to(self.hit.device)[:, chosen]
         start, mirror_weight = self.surface.pick(chosen), self.mirror_weight[chosen]
@@ -217,13 +219,13 @@ class SecondaryHits:
         self._seconds.append((chosen[again], beyond.pick(again)))
 
     def aside(self) -> SecondaryHits:
-        """A copy in which lights may move."""
+        """A copy in which lights may move while this one stays as it is."""
         other = copy(self)
         other.incoming, other._clear = self.incoming.clone(), self._clear.clone()
         return other
 
     def light(self, index: int, lamp: LightSource, same_rays: bool = False) -> None:
-        """Traces shadow rays from all hits to a row's light, unless they are the `same_rays`, as when only its size changed."""
+        """Updates the light of one row at all hits; shadow rays are not traced if they are the `same_rays`, as when only its size has changed."""
         self._trace(lamp, self._bounces(index), same_rays)
 
     def _trace(self, lamp: LightSource, bounces: list[_Bounce], same_rays: bool = False) -> None:
@@ -234,13 +236,13 @@ class SecondaryHits:
             self.incoming[row, rays] = direct.irradiance * self._clear[row, rays]
 
     def _bounces(self, index: int) -> list[_Bounce]:
-        """Those that belong to a light."""
+        """First and second bounces of the light with an index."""
         first = index, self._matte, self._first, 1 - self.mirror_weight[self._matte]
         second = self.lamps + 2 + index
         return [first, *((second, rays, surface, self._share[rays]) for rays, surface in self._seconds)]
 
     def moved(self, index: int, lamp: LightSource, table: RadianceTable) -> Tensor:
-        """Zeros (A, 3) with the gradient of the points' radiance by a light's position, shadows aside."""
+        """Zeros (A, 3) whose gradient is that of the points' radiance by a light's placement, shadows aside."""
         rows = torch.nn.functional.pad(table.scattered.detach(), (0, 0, 0, 1))  # dark outside the scene
         total = torch.zeros((len(self.owner) // self.count, 3), device=rows.device)
         for row, rays, surface, _ in self._bounces(index):
@@ -253,7 +255,7 @@ class SecondaryHits:
         return total / self.count
 
     def image(self, table: RadianceTable, ambient: Tensor) -> Tensor:
-        """Radiance (3, A) of the hits of single rays, 0 outside the scene; `ambient` (3, A) is irradiance that is not the lamps'."""
+        """Radiance (3, A) of the hits of single rays (R = 1), 0 outside the scene; `ambient` (3, A) is irradiance besides that of lights."""
         if not self._members:
             self._members = [(self.owner == m).nonzero()[:, 0] for m in range(self.materials)]
         given = table.scattered, table.emission, table.albedo / math.pi, ambient * (1 - self.mirror_weight)
@@ -262,11 +264,14 @@ class SecondaryHits:
         return radiance
 
     def emitted(self, emission: Tensor) -> Tensor:
-        """Radiance (3, A) that the hits of single rays emit themselves, of materials that emit (M, 3)."""
+        """Radiance (3, A) that the hits of single rays (R = 1) emit, from that of all materials (M, 3)."""
         return torch.cat((emission, emission.new_zeros((1, 3)))).T.index_select(1, self.owner)
 
     def weights(self, sources: Sequence[int] | None = None) -> Tensor:
-        """(A, S + 1, M) averages over each point's rays of what materials scatter of each source, and emit; or of `sources` alone."""
+        """Weights (A, S + 1, M), averaged over each point's rays: what materials scatter of each source, and last what they emit.
+
+        With `sources`, weights (A, n, M) of these n sources only.
+        """
         slots = torch.cat((self.incoming, self.hit[None])) if sources is None else self.incoming[[*sources]]
         slots = slots.view(len(slots), -1, self.count).transpose(0, 1)
         owner = self.owner.view(-1, self.count)
@@ -275,13 +280,16 @@ class SecondaryHits:
 
 
 def shadowed_irradiance(geometry: RayGeometry, lamp: LightSource, surface: Surface) -> Tensor:
-    """Irradiance (N,) of a lamp on a surface, shadowed by one ray to its middle."""
+    """Irradiance (N,) of a light on a surface, shadowed by one ray to its middle."""
     direct = lamp.irradiance(surface.position, surface.normal)
     return direct.irradiance * _clear(geometry, lamp, direct, surface)
 
 
 def _clear(geometry: RayGeometry, lamp: LightSource, direct: DirectIrradiance, surface: Surface) -> Tensor:
-    """(N,) 1.0 where a ray from a surface to the lamp's middle passes, else 0.0; 0.0 for what the lamp does not light."""
+    """(N,) 1.0 where a ray from a surface to the light's middle passes, else 0.0.
+
+    Where the light does not light the object, 0.0; elsewhere 1.0 if the light casts no shadows.
+    """
     linked = lamp.lights(surface.object)
     if not lamp.light.shadow:
         return linked.to(torch.float32)
@@ -293,7 +301,7 @@ def _clear(geometry: RayGeometry, lamp: LightSource, direct: DirectIrradiance, s
 def refract(
     toward: Float[Tensor, "3 n"], normal: Float[Tensor, "3 n"], ratio: float
 ) -> tuple[Float[Tensor, "3 n"], Tensor]:
-    """Snell's law: unit directions (3, N), reflected where all light is, and where (N,) bool that is.
+    """Snell's law: refracted unit directions (3, N), mirrored at total reflection, and (N,) bool where that is.
 
     Normals (3, N) are on the side that the rays come from; the ratio is the IOR before the surface over that behind it.
     """
@@ -313,7 +321,7 @@ def through(
     lamps: int,
     maps: MaterialTextures,
 ) -> tuple[SecondaryHits, Tensor]:
-    """Hits behind a glass of rays (3, N) that enter its surface, followed through all its walls; and their last directions."""
+    """Hits behind a glass of rays (3, N) that enter its surface, followed through at most `_MOST_WALLS` walls; and their last directions (3, N)."""
     direction, _ = refract(toward, surface.normal, 1.0 / ior)
     direction = -above(-direction, surface.facet)
     origin = _across(geometry, surface)
