@@ -12,7 +12,7 @@ from ...render.geometry.vectors import overlap
 from .picture import FEW, GRAIN, MeasuredPicture, largest_around
 
 _FLOOR = 0.004  # linear luminance below which differences are not seen on a display in a lit room
-_HIGHLIGHTS = (0.03, 0.06)  # distances from a highlight to its sides, relative to the root of the region's area
+_HIGHLIGHTS = (0.03, 0.06)  # distances from a highlight to its sides, times the root of the region's area
 _BEND = 0.5  # cosine between two normals below which there is an edge between their places
 _EVEN = 0.15  # stops per pixel by which a texture may change: the edges of a pattern are no shadows
 _SPOT = 0.002  # share of a region's pixels, those with the strongest highlights, that gloss is the mean of
