@@ -23,7 +23,7 @@ from ..schema import Values
 from ..schema.parameters import Region
 from ..words.types import LightDescription, PictureStats, SceneDescription
 
-_GRID = 64  # rays along each side of the picture
+_GRID = 64  # rays along each side of the image
 _KEPT = 0.8  # share of the distance to the nearest surface up to which a light may grow
 
 

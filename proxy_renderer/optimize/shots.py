@@ -35,7 +35,7 @@ SAMPLES = 16  # samples per pixel of an anchor
 LONGEST = 30.0  # seconds that an anchor may take; after a slower one no more are requested
 _FAILURES = 2  # failures in a row after which no more anchors are requested
 
-AnchorRequest = Callable[[messages.Anchor], messages.Anchored | None]  # to Blender; None if the loop should end
+AnchorRequest = Callable[[messages.Anchor], messages.Anchored | None]  # to Blender; None to end the loop
 
 
 class BlenderPictures:

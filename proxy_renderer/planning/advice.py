@@ -34,10 +34,10 @@ class Prompts:
 
     subject: str  # short caption of the subject alone
     surroundings: str  # short caption of the surroundings alone; "" when the words leave them open
-    whole: str  # caption of the whole picture
-    subject_negatives: tuple[str, ...] = ()  # what it must not look like: swaps, antonyms, positively worded
-    surroundings_negatives: tuple[str, ...] = ()  # likewise for the surroundings
-    whole_negatives: tuple[str, ...] = ()  # likewise for the whole picture: "thick fog" for "no fog"
+    whole: str  # caption of the whole image
+    subject_negatives: tuple[str, ...] = ()  # captions that the subject must not fit: swapped words, antonyms
+    surroundings_negatives: tuple[str, ...] = ()  # captions that the surroundings must not fit
+    whole_negatives: tuple[str, ...] = ()  # captions that the image must not fit: "thick fog" for "no fog"
 
 
 def compose(

@@ -26,7 +26,7 @@ _FEW_HUES = 0.0  # cosine between the hues of two casts below which each has a l
 _PALE, _COLORFUL = 6.0, 16.0  # mean C* of a gray image, and C* above that at which paint keeps all saturation
 _STRONG = 6.0  # C* above which the hue of a cast counts
 HELD_LIGHTLY = 0.05  # `PlanEntry.prior` of values that a reference image lets move: of two ways, the nearer
-_LIT = ("light/color", "world/color")  # families that take the hues of the picture's casts
+_LIT = ("light/color", "world/color")  # families that take the hues of the image's casts
 UNTOUCHED = "the picture does not speak of it: keeps the artist's value"
 
 
