@@ -62,10 +62,7 @@ def goals_with_picture(goals: Goals, vocabulary: Vocabulary) -> Goals:
 def _relative(
     claim: ClaimText, wish: Wish, compares: bool, has: Mapping[Axis, float], ways: dict[Axis, float]
 ) -> ClaimText:
-    """A word's claim next to a reference image.
-
-    The distance by which the word moves the image's own value is added to `ways`, by part and measure.
-    """
+    """A word's claim next to a reference image; adds to `ways`, by part and measure, how far the word moves the image's value."""
     axis = wish.part_of(claim), claim.measure
     own = None if claim.part == "thing" and wish.attribute.owners else has.get(axis)
     if own is None or not (compares or claim.measure in _MOVED):

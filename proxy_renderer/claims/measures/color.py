@@ -124,11 +124,7 @@ def tint(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def accent(picture: MeasuredPicture, where: Tensor, direction: Tensor) -> Tensor:
-    """Mean distance from gray along a direction of the tenth of a region that lies farthest along it: (1,) in a* b*.
-
-    Args:
-        direction: (2,) unit vector in a* and b*, the hue of a color.
-    """
+    """Mean distance from gray along a hue, a unit vector (2,) in a* b*, of the tenth of a region that lies farthest along it: (1,)."""
     along = picture.lab[..., 1:][where] @ direction
     return along[along.detach() >= torch.quantile(along.detach(), 1 - _ACCENT)].mean()[None]
 

@@ -32,11 +32,7 @@ def light_along(axis: int) -> Callable[[MeasuredPicture, Tensor], Tensor]:
 
 
 def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """The steepest slopes of light on smooth and even surfaces, as at edges of shadows.
-
-    Returns:
-        (1,) stops per pixel of an image whose longer side has 192 pixels.
-    """
+    """The steepest slopes of light on smooth and even surfaces, as at shadow edges: (1,) stops per pixel of an image 192 pixels long."""
     seen = picture.seen
     material = seen.material.float()
     same = largest_around(material, 5) == -largest_around(-material, 5)
@@ -201,11 +197,7 @@ def sheen(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def sharpness(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Sharpness of reflections: the steepest slopes of lightness inside of surfaces.
-
-    Returns:
-        (1,) L* per pixel of an image whose longer side has 192 pixels.
-    """
+    """Sharpness of reflections: the steepest slopes of lightness inside of surfaces, (1,) L* per pixel of an image 192 pixels long."""
     material = picture.seen.material.float()
     same = largest_around(material, 3) == -largest_around(-material, 3)
     inside = where & same & ~(largest_around(~where, 5) > 0)
@@ -220,11 +212,7 @@ def sharpness(picture: MeasuredPicture, where: Tensor) -> Tensor:
 def _by_material(
     picture: MeasuredPicture, where: Tensor, take: Callable[[Tensor, Tensor, Tensor], Tensor]
 ) -> Tensor:
-    """(1,) mean over materials, weighted by pixels, of what `take` reads; 0 if every material has too few pixels.
-
-    Args:
-        take: Function of the light (n,), normals (n, 3) and places (n, 2) of a material's n pixels.
-    """
+    """(1,) mean over materials, weighted by their n pixels, of `take`(light (n,), normals (n, 3), places (n, 2)); 0 if all are small."""
     seen, found = picture.seen, []
     where = where & (seen.normal.norm(dim=-1) > 0.5)
     for number in seen.material[where].unique():

@@ -160,10 +160,7 @@ class Search:
         return [replace(shot.judged(self.claims, image, u), guidance=g) for shot, image, g in rows]
 
     def placed(self, now: Confined) -> Confined:
-        """The round at the point where its steps begin, with the proxies corrected there.
-
-        In the first round for a reference image of the same scene, the key light is turned, see `with_key_turned`.
-        """
+        """The round at the point where its steps begin, see `with_key_turned`, with the proxies corrected there."""
         u, here = now.u, now.here
         if not here.earlier and self.reference and self.reference.same:
             goal = self.reference.display
