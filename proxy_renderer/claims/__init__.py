@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Claims: what the words say that the picture has to look like, and whether it does."""
+"""Claims: how the image has to look by the words, as intervals of measures, and whether it does."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Claims about the image: a measure of a part of it, the interval that it is to be in, and the verdicts on them."""
+"""Claims about the image: a measure of a part of the image, the interval that satisfies it, and the verdicts on a render."""
 
 from __future__ import annotations
 
@@ -21,74 +21,75 @@ from .measures import MEASURES
 from .measures.color import RegionMeans, chromaticity
 from .measures.picture import MeasuredPicture, is_black, region_of
 
-_FEW = 16  # pixels of which nothing can be said
-_SEEN = 0.05  # share of a region that is left, at least, when what words color is left out
+_FEW = 16  # regions of fewer pixels are not measured
+_SEEN = 0.05  # parts that words color are left out only if more than this share of the region remains
 _OF_MEANS = ("mean", "chromaticity")  # measures of a region's mean color
-_AIR = ("haze", "air_lightness", "tint")  # before what lies around; before the subject, if it is alone
+_AIR = ("haze", "air_lightness", "tint")  # of surroundings; if the subject fills the image, of all of it
 
-_NEARLY = 1.0  # changes from the interval, from where a change is enough: what was very blue is not warm yet
-HOLDS = 1.0  # a claim that is missed by no more noticeable steps holds
+_NEARLY = 1.0  # times `change`: farther from the interval no change is enough, as very blue is not warm yet
+HOLDS = 1.0  # a claim is satisfied if it is missed by at most so many noticeable steps
 
 _INSIDE, _INSIDE_COLOR = 0.5, 0.85
-"""Share of half an interval's width that is left at its ends when values are sought; the latter for colors: what only just
-passes as navy is another blue to some who look at the picture."""
+"""Share of half an interval's width by which each end of the aim lies inside; the second is for colors. A color at the very end
+of the interval of navy looks like another blue to some people."""
 
-_FARTHER = 1e4  # beyond every value of a measure: the core of an interval with one end
-_MARGIN = 2.0  # the same for an interval with one end, in noticeable steps
+_FARTHER = 1e4  # larger than any value of a measure: distance of the middle of an interval with one open end
+_MARGIN = 2.0  # noticeable steps by which an end of the aim lies inside, at most; also for open intervals
 
 _SATURATED, _WIDENED = 40.0, 0.045
-"""C* of a color from which the measure's own step counts for its chroma and hue. Between paler colors smaller differences are
-seen, in the proportions of CIEDE2000's weights of chroma, 1 + 0.045 C* (Sharma, Wu and Dalal 2005): the second number."""
+"""C* of a color from which the measure's own noticeable step applies to chroma and hue. Of paler colors people notice smaller
+differences, in proportion to CIEDE2000's weight of chroma, 1 + 0.045 C* (Sharma, Wu and Dalal 2005): the second number."""
 
-_FAINT, _HEAVIEST = 1.0, 2.0  # least chroma along a hue that its weight is computed from; the most weight
-_MANY = 8  # claims about mean colors that are worth being measured together
-_LEAST = 0.02  # share of the image below which judges did not see what a thing was like
-_HARDEST = 100.0  # a miss, in noticeable steps, that nothing is worse than
+_FAINT, _HEAVIEST = 1.0, 2.0  # least chroma, and largest result, in `Claim._hue_weight`
+_MANY = 8  # more claims than this about mean colors are measured together, which is faster
+_LEAST = 0.02  # share of the image that a target needs for judges to see its look
+_HARDEST = 100.0  # the largest miss that is reported, in noticeable steps
 
 _COLORS = ("color", "mean")  # measures in OKLab
 
 
 @dataclass(frozen=True)
 class Claim:
-    """An interval that a measure of a part of the image is to be in.
+    """The interval that satisfies a claim about a measure of a part of the image.
 
-    Where `change` is given, it is also enough if the measure has risen (or fallen, below 0) by so much since the artist's image and,
-    with `near`, is not far from the interval; an excess that is there already may stay, and all of it where `change` is 0.
+    With a `change`, it is also enough that the measure has risen by so much since the artist's image (fallen, if the change is
+    negative). With `near`, it must then be within one `change` of the interval, too. A value of the artist's image beyond the far
+    end, in the direction of the change, may stay; with a change of 0 it may stay beyond either end.
     """
 
-    word: str  # as the prompt has it; "" for claims without words, as that the subject can be seen
+    word: str  # of the prompt; "" for claims without words, as that the subject can be seen
     thing: str  # the prompt's name for the target: "teapot", "background", "picture"
     measure: str  # a key of `MEASURES`
     part: Part  # of the image
-    lower: Values  # one number for each that the measure gives, after `direction`
+    lower: Values  # one number for each number of the measure, after `direction` is applied
     upper: Values  # likewise
     materials: tuple[str, ...] = ()  # names of the target's materials; none for the whole part
     change: float | None = None  # a sufficient change; None if only the interval counts
-    # unit vector along which a tint counts, or the hue of a color, whose numbers are then lightness, how far it lies
-    # along the hue and how far across; none for the measure's own numbers
+    # (a, b) unit vector. A tint is projected on it. For a color it is the hue: the numbers are then lightness,
+    # distance along the hue, and distance across it. () for the measure's own numbers
     direction: Values = ()
     color: Values | None = None  # the color that is asked for, sRGB; None for other claims
     box: Values = ()  # left, upper, right, lower end in the frame, as shares of its sides; () for all of it
     reason: str = ""  # why it is claimed; "" where the word says it
-    # Parts, each with its materials, that are left out: those that words color, in a claim about light
+    # Parts, each with its materials, that are left out: in a claim about light those that words color
     apart: tuple[tuple[Part, tuple[str, ...]], ...] = ()
-    weight: float = 1.0  # of a step while values are sought: less, where a mood only usually stands for it
-    near: bool = True  # whether a change is enough near the interval only; of words that compare, anywhere
-    also: tuple[str, ...] = ()  # more words that stand or fall with it: they ask for the same of a light rig
-    by: bool = False  # whether both ends are noticeable steps from what the artist's image has
+    weight: float = 1.0  # factor on noticeable steps in the search; less for what a mood implies
+    near: bool = True  # whether a change is enough only near the interval; if not, anywhere
+    also: tuple[str, ...] = ()  # more words that share the claim and its verdict: they ask for the same rig
+    by: bool = False  # whether both ends are differences from the artist's image, in noticeable steps
 
     @classmethod
     def unsaid(cls, part: Part, measure: str, lower: float = -math.inf, upper: float = math.inf) -> Claim:
-        """A claim without words: a part of the image is in an interval, or no farther from it than before."""
+        """A claim without words: a measure is in an interval, or no farther from it than in the artist's image."""
         return cls("", part, measure, part, (lower,), (upper,), change=0.0)
 
     @property
     def is_of_thing(self) -> bool:
-        """True for a claim about objects, whose color is seen in the light that they stand in."""
+        """True for a claim about objects: people judge their colors relative to the light that falls on them."""
         return bool(self.materials) or self.part == "subject"
 
     def region(self, seen: GBuffer) -> Tensor | None:
-        """The pixels (H, W) bool of its target; None where that is hardly seen."""
+        """The pixels (H, W) bool of the claim's target; None if too few are visible."""
         if MEASURES[self.measure].beside and region_of(seen, "surroundings").sum() < _FEW:
             return None  # the subject fills the image
         where = region_of(seen, self.part, self.materials)
@@ -98,7 +99,7 @@ class Claim:
             where = where & _inside(self.box, where)
         apart, rest = self.apart, where.clone()
         if self.part == "subject" and self.measure == "color" and not self.materials and seen.surrounding:
-            # A color of the subject is not painted on materials of its surroundings, though it wears them.
+            # A color word for the subject does not recolor materials that it shares with its surroundings.
             apart = (*apart, ("picture", seen.surrounding))
         for part, materials in apart:
             rest &= ~region_of(seen, part, materials)
@@ -108,7 +109,7 @@ class Claim:
         return where if where.sum() >= _FEW else None
 
     def value(self, picture: MeasuredPicture, where: Tensor) -> Tensor:
-        """Its value (n,) in the region `where` of an image, differentiable in it."""
+        """The claim's value (n,) in the region `where` of an image, differentiable in the image."""
         measure = MEASURES[self.measure]
         if self.is_of_thing and self.measure in ("color", "tint"):
             picture = picture.in_white_light(where)
@@ -124,7 +125,7 @@ class Claim:
         return (taken @ taken.new_tensor(self.direction))[None]
 
     def oklab(self, value: Values) -> Values:
-        """The color, OKLab times 100, of the three numbers of a claim about one."""
+        """The color, OKLab times 100, that the three numbers of a claim about a color stand for."""
         light, along, across = value
         x, y = self.direction or (1.0, 0.0)
         across /= float(self._hue_weight(torch.tensor(along))) if self.direction else 1.0
@@ -133,13 +134,17 @@ class Claim:
     def _hue_weight(self, along: Tensor) -> Tensor:
         """The weight () of a color's distance across the wanted hue, from its chroma () along that hue.
 
-        A tolerance is a share of the wanted chroma. In a paler color the same distance is a larger angle of hue.
+        The tolerance is a share of the wanted chroma. The same distance is a larger angle of hue in a paler color, so it counts more.
         """
         wanted = (self.lower[1] + self.upper[1]) / 2
         return (wanted / along.clamp_min(_FAINT)).clamp(1.0, _HEAVIEST)
 
     def interval(self, before: Tensor | None) -> tuple[Values, Values]:
-        """The lower and the upper end, the change considered since `before` (n,), of the artist's image; None if that is not known."""
+        """The lower and the upper end, in the measure's unit, with a sufficient change taken into account.
+
+        Args:
+            before: (n,) value of the artist's image; None if it is not known, for the claim's own ends.
+        """
         if self.by and before is not None:
             own, step = before.tolist(), before.new_tensor(self.notice).expand_as(before).tolist()
             least, most = (
@@ -163,7 +168,7 @@ class Claim:
 
     @cached_property
     def notice(self) -> float | Values:
-        """The least difference that people notice: one number, or one for each that the measure gives."""
+        """The noticeable step, the least difference that people notice: one number, or one for each number of the measure."""
         step = MEASURES[self.measure].notice
         if self.measure != "color" or self.color is None:
             return step
@@ -172,7 +177,7 @@ class Claim:
         return step, aside, aside
 
     def residual(self, value: Tensor, before: Tensor | None) -> Tensor:
-        """Distance of a value (n,) from the interval: (n,) in noticeable steps, 0 inside."""
+        """Distance of a value (n,) from the interval: (n,) in noticeable steps, negative below it, 0 inside."""
         return outside(*self.in_steps(value, before))
 
     def in_steps(self, value: Tensor, before: Tensor | None) -> tuple[Tensor, Tensor, Tensor]:
@@ -184,7 +189,10 @@ class Claim:
     def aim(
         self, value: Tensor, before: Tensor | None, ends: tuple[Tensor, Tensor] | None = None
     ) -> tuple[Tensor, Tensor, Tensor]:
-        """As `in_steps`, by weight, with ends inside of what satisfies it; `ends` of an earlier value of its type can be given."""
+        """A value and its interval as from `in_steps`, times the weight, with the ends moved inward: what the search looks for.
+
+        The `ends` of an earlier call for the same type of value can be given, to save time.
+        """
         if ends is None:
             _, lower, upper = self.in_steps(value.detach(), before)
             half = (upper - lower) / 2
@@ -196,16 +204,16 @@ class Claim:
         return self.weight * value / value.new_tensor(self.notice), *ends
 
     def miss(self, value: Tensor, before: Tensor | None) -> float:
-        """The length of the residual; a claim holds if it is at most `HOLDS`."""
+        """The length of the residual, in noticeable steps. The claim is satisfied if it is at most `HOLDS`."""
         return min(float(self.residual(value, before).norm()), _HARDEST)
 
     def was_so(self, before: Tensor, after: Tensor) -> bool:
-        """True if a value held before, and is no noticeable step nearer to the middle of the interval, or beyond its end, now."""
+        """True if the claim was satisfied before and is now, without a noticeable step to the middle or past an open end."""
         held = max(self.miss(before, None), self.miss(after, before)) <= HOLDS
         return not self.by and held and self.gain(before, after) < HOLDS
 
     def gain(self, before: Tensor, after: Tensor) -> float:
-        """Noticeable steps by which a value came nearer to the middle of the interval, or went on beyond its open end."""
+        """Noticeable steps by which a value came nearer to the middle of the interval, or moved on toward its open end."""
         notice = before.new_tensor(self.notice)
         lower, upper = (before.new_tensor(end) for end in (self.lower, self.upper))
         core = torch.where(lower.isinf(), before - _FARTHER, (lower + upper) / 2)
@@ -213,7 +221,10 @@ class Claim:
         return float(((before - core) / notice).norm() - ((after - core) / notice).norm())
 
     def is_sure(self, before: Tensor | None, after: Tensor | None, share: float) -> bool:
-        """True if judges see what its measure tells of a target with this share of the image: it was so, or changed enough."""
+        """True if judges can see the verdict on a target with this share of the image.
+
+        The claim was satisfied already, or the value changed by as many noticeable steps as judges need for this measure.
+        """
         steps = quantities().seen.get(self.measure, 1.0)
         if math.isinf(steps) or share < _LEAST or before is None or after is None:
             return False
@@ -225,12 +236,12 @@ class ClaimSet:
     """The claims of a prompt about a scene."""
 
     claims: tuple[Claim, ...]  # in the order of the words
-    before: tuple[Tensor | None, ...]  # of each, the artist's image's value; None where it is hardly seen
-    regions: tuple[Tensor | None, ...]  # of each, its pixels (H, W) bool in the images that are measured
+    before: tuple[Tensor | None, ...]  # each claim's value of the artist's image; None if hardly visible
+    regions: tuple[Tensor | None, ...]  # each claim's pixels (H, W) bool in the images that are measured
 
     @classmethod
     def about(cls, claims: tuple[Claim, ...], picture: MeasuredPicture) -> ClaimSet:
-        """Claims about a scene whose artist's image is this one."""
+        """The claims, with their regions and values in the artist's image, which is given."""
         regions = tuple(claim.region(picture.seen) for claim in claims)
         with torch.no_grad():
             pairs = zip(claims, regions, strict=True)
@@ -239,16 +250,16 @@ class ClaimSet:
 
     @property
     def words(self) -> set[str]:
-        """Those that claim what can be measured."""
+        """The words of the claims that can be measured."""
         pairs = zip(self.claims, self.regions, strict=True)
         return {claim.word for claim, where in pairs if claim.word and where is not None}
 
     def in_view(self, seen: GBuffer) -> ClaimSet:
-        """The same claims about images with this view."""
+        """The same claims, with the regions of another view of the camera."""
         return replace(self, regions=tuple(claim.region(seen) for claim in self.claims))
 
     def values(self, picture: MeasuredPicture) -> list[Tensor | None]:
-        """An image's value of each claim: (n,), differentiable in it; None where the target is hardly seen."""
+        """The value (n,) of each claim in an image, differentiable in the image; None if the target is hardly visible."""
         means = self._means.of(picture) if self._means else {}
         known = {i: _of_mean(self.claims[i], mean) for i, mean in means.items()}
         return [
@@ -258,7 +269,7 @@ class ClaimSet:
 
     @cached_property
     def _means(self) -> RegionMeans | None:
-        """The claims about mean colors, where there are many: a picture of this very scene has one for each place."""
+        """The means for claims about mean colors, if there are many: a reference image of the same scene has one per place."""
         plain = {
             i: where
             for i, (claim, where) in enumerate(zip(self.claims, self.regions, strict=True))
@@ -268,11 +279,11 @@ class ClaimSet:
 
     @cached_property
     def _ends(self) -> dict[tuple[int, torch.dtype, torch.device], tuple[Tensor, Tensor]]:
-        """Ends of `Claim.aim`, by the claim's place and the value's type: they are the same for every picture."""
+        """Cache of the ends of `Claim.aim`, by the claim's index and the value's type and device: equal for all images."""
         return {}
 
     def aims(self, picture: MeasuredPicture) -> list[tuple[Claim, Tensor, Tensor, Tensor]]:
-        """Claims that can be measured, with value (n,), differentiable in the image, and the interval that is sought, see `Claim.aim`."""
+        """The claims that can be measured, each with the value (n,) in an image and its aim's lower and upper end, see `Claim.aim`."""
         found = []
         rows = zip(self.claims, self.values(picture), self.before, strict=True)
         for i, (claim, value, before) in enumerate(rows):
@@ -284,7 +295,7 @@ class ClaimSet:
         return found
 
     def residuals(self, picture: MeasuredPicture) -> list[Tensor]:
-        """Distance of an image from each claim that can be measured: (n,) each, see `Claim.residual`."""
+        """Distance of an image from the interval of each claim that can be measured: (n,) each, see `Claim.residual`."""
         rows = zip(self.claims, self.values(picture), self.before, strict=True)
         return [claim.residual(value, before) for claim, value, before in rows if value is not None]
 
@@ -304,27 +315,27 @@ def _inside(box: Values, like: Tensor) -> Tensor:
 
 
 def outside(values: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
-    """Distance of values from [lower, upper], all of one shape; below it less than 0, inside 0."""
+    """Signed distance of values from [lower, upper], all of one shape: negative below, 0 inside, positive above."""
     return (values - upper).clamp_min(0.0) - (lower - values).clamp_min(0.0)
 
 
 @dataclass(frozen=True)
 class ShotClaims:
-    """The claims about one shot, and the camera's view at the artist's values and at the result's."""
+    """The claims about one shot, with the camera's view at the artist's values (`before`) and at the result's (`after`)."""
 
     claims: tuple[Claim, ...]
     before: GBuffer
     after: GBuffer
 
     def verdicts(self, before: Tensor, predicted: Tensor, after: Tensor) -> list[dict[str, Any]]:
-        """The rows of `report.json` on every claim, of images (H, W, 3) of any one size.
+        """The rows of `report.json`, one for each claim, from images (H, W, 3) of one size.
 
-        Each has: word, thing, measure, says, unit, wanted, before, predicted, after, holds, miss, whether it was
-        `already` so, whether judges see that (`sure`), and, where there are any, `also` its other words, and the
-        `reason`. `holds` is None where the target is hardly seen; `miss` is in noticeable steps.
+        Each row has: word, thing, measure, says, unit, wanted, before, predicted, after, `holds` (whether the claim is satisfied;
+        None if the target is hardly visible), `miss` in noticeable steps, `already` (satisfied before, see `Claim.was_so`),
+        `sure` (see `Claim.is_sure`), and, if there are any, `also` for its other words and `reason`.
         """
         with torch.no_grad():
-            # The places that a further sentence leaves as they are come last, and are no news.
+            # Claims that a further sentence leaves a place as it is are not reported.
             told = tuple(claim for claim in self.claims if claim.word or not claim.by)
             judged = ClaimSet.about(told, MeasuredPicture.of(before, self.before)).in_view(self.after)
             guesses, values = (self._values(judged, picture) for picture in (predicted, after))
@@ -333,7 +344,7 @@ class ShotClaims:
         return [_verdict(*row) for row in rows]
 
     def _values(self, judged: ClaimSet, picture: Tensor) -> list[Tensor | None]:
-        """An image's value of each claim: nothing, where all of it is black."""
+        """The value of each claim in an image; all None if the whole image is black."""
         if is_black(picture):
             return [None] * len(judged.claims)
         return judged.values(MeasuredPicture.of(picture, self.after))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Claims of color words, and of materials that have a color. Colors are OKLab times 100, tints a* and b* of CIE Lab."""
+"""Claims of color words, and of materials with a color. Colors are in OKLab times 100, tints in a* and b* of CIE Lab."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -13,37 +13,37 @@ from ..words.lexicon.vocabulary import Vocabulary
 from ..words.types import Attribute, Part
 from .claim import Claim
 
-# Intervals of a color, around the nearest one that an image can show
-_LIGHTNESS = 10.0  # lightness on either side
-_CHROMA, _LEAST_CHROMA = 0.25, 2.5  # share of its chroma on either side, but at least so much
-_FAINTEST = 1.8  # chroma from which a color is not gray
-_OFF_GRAY = 0.6  # share beyond the least chroma that may be missing
-_ASIDE, _LEAST_ASIDE = 0.2, 1.5  # across its hue, as a share of its chroma, but at least so much
-_FARTHEST = 12.0  # lighter or darker than the named color; more, only where it cannot be shown
+# Intervals of a color, around the nearest color that an image can show
+_LIGHTNESS = 10.0  # half the interval of lightness
+_CHROMA, _LEAST_CHROMA = 0.25, 2.5  # half the interval of chroma: share of the chroma; its lower limit
+_FAINTEST = 1.8  # chroma up to which a color counts as gray
+_OFF_GRAY = 0.6  # share of the chroma above `_LEAST_CHROMA` by which a color may be paler, at most
+_ASIDE, _LEAST_ASIDE = 0.2, 1.5  # half the interval across the hue: share of the chroma; its lower limit
+_FARTHEST = 12.0  # distance in lightness from the named color, at most; more only if an image cannot show it
 
 # Tints of colored light, air and film
 COLORED = 12.0  # C* below which a color tints nothing
-_TINTED, _TINTED_MORE = 6.0, 3.0  # how far in a color's direction; how much farther than before is enough
-_LIT, _LIT_SHARE = 20.0, 0.4  # likewise where light has the color, but no more than this share of its chroma
-_LIT_MORE = 0.8  # share of that which is enough: in yellow light white is yellow, not only less blue
-_MOST_SHARE = 0.5  # of its chroma, which leaves nothing of other colors,
-_LEAST_MOST = 25.0  # but at least this
-_OFF_HUE = 6.0  # how far the tint may lie across that direction, unless it did before
-_ACCENT = 12.0  # in a tenth of the image, where one of several lights has the color
-_CAST = (6.0, 24.0)  # of the darks or lights, at least and at most
+_TINTED, _TINTED_MORE = 6.0, 3.0  # least tint along the color's hue; increase that is enough instead
+_LIT, _LIT_SHARE = 20.0, 0.4  # least tint if the color is the light's, but at most this share of its chroma
+_LIT_MORE = 0.8  # increase that is enough, as a share of the least tint: white in yellow light looks yellow
+_MOST_SHARE = 0.5  # largest tint, as a share of the color's chroma: more would leave no other colors
+_LEAST_MOST = 25.0  # the largest tint is never limited to less than this
+_OFF_HUE = 6.0  # largest tint across the color's hue, unless the artist's image has more
+_ACCENT = 12.0  # least tint of a tenth of the image, if the color is that of one of several lights
+_CAST = (6.0, 24.0)  # least and largest tint of the shadows or highlights
 
-# Gray air: L* of a name up to which it is black and from which it is white; L* of such air at most and at least
+# Gray fog: L* of a named color up to which it is black, and from which it is white; L* of that fog at most, at least
 _BLACK, _WHITE = 35.0, 85.0
 _BLACK_AIR, _WHITE_AIR = 35.0, 74.0
 
 # Gray materials
-_DARKER = 0.65  # share of its lightness, as white has shades
-_LIGHTER = 22.0  # L* beyond it, as black has highlights
-_REPAINTED = 20.0  # L* that are enough of a change
-_WHITE_MATERIAL = 75.0  # L* from where it cannot be too light
-_BLACK_MATERIAL = 40.0  # L* up to which not too dark
+_DARKER = 0.65  # least lightness as a share of the material's own: white has shaded parts
+_LIGHTER = 22.0  # L* above the material's own, at most: black has highlights
+_REPAINTED = 20.0  # change of L* that is enough instead
+_WHITE_MATERIAL = 75.0  # own L* above which there is no upper end
+_BLACK_MATERIAL = 40.0  # own L* below which there is no lower end
 _REFLECTING = {"material/metallic": 0.5, "material/transmission": 0.5}
-"""Components -> the value from where an object shows its surroundings, and is as light as they are."""
+"""Family -> value above which an object mirrors or transmits its surroundings, so that its lightness is not claimed."""
 
 _TONE_CASTS = {"shadow": "shadow_cast", "highlight": "highlight_cast"}
 _TINTING = ("light", "fill", "rim", "ambience", "tone")  # kinds of targets whose color is a tint of the image
@@ -60,7 +60,7 @@ def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
     elif attribute.kind in _TINTING:
         for tint in tints(word, "picture", "picture", srgb):
             yield from [as_accent(tint)] if attribute.of_one_light else _of_all_light(attribute, tint, srgb)
-    # "teal shadows": a cast of what is dark, whatever is painted; nothing for gray
+    # "teal shadows": a cast of the shadows, independent of paint; no claim for gray
     elif attribute.kind in _TONE_CASTS:
         for tint in tints(word, "picture", "picture", srgb):
             lower, upper = ((end,) for end in _CAST)
@@ -76,10 +76,13 @@ def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
 
 
 def _interval(shown: Values, named: float) -> tuple[Values, Values, Values]:
-    """The interval of a color, and its hue: a unit vector in a and b; none for gray.
+    """The lower and upper end of a color's interval, and its hue: a unit vector (a, b), or () for gray.
 
-    Its numbers are lightness, then chroma and what lies across the hue, or, of gray, a and b. An image can show the sRGB
-    color `shown` of it, whose own lightness is `named`: yellow is shown darker, but not as dark as mustard.
+    The three numbers of an end are lightness, chroma along the hue and distance across the hue; for gray they are lightness, a and b.
+
+    Args:
+        shown: sRGB color nearest to the named one that an image can show. Yellow is shown darker, but not as dark as mustard.
+        named: Lightness of the named color itself.
     """
     light, a, b = (100 * v for v in oklab_from_srgb(shown))
     strength = math.hypot(a, b)
@@ -97,7 +100,7 @@ def _interval(shown: Values, named: float) -> tuple[Values, Values, Values]:
 def tints(
     word: str, thing: str, part: Part, srgb: Values, materials: tuple[str, ...] = ()
 ) -> Iterator[Claim]:
-    """The claim that a part's mean color lies in a color's direction; nothing for gray."""
+    """The claim that the mean color of a part is tinted toward a color; none if the color is gray."""
     named = lab_from_srgb(srgb)
     if (strength := chroma(named)) >= COLORED:
         hue = named[1] / strength, named[2] / strength
@@ -105,12 +108,12 @@ def tints(
 
 
 def as_accent(tint: Claim) -> Claim:
-    """A tint of the image where it is one of several: a tenth of the image has it."""
+    """The claim for a tint that is one of several in the image: only a tenth of the image has to have it."""
     return replace(tint, measure="accent", lower=(_ACCENT,), upper=(math.inf,))
 
 
 def _of_all_light(attribute: Attribute, tint: Claim, srgb: Values) -> Iterator[Claim]:
-    """A color tints all of the image; if it is the light's, nothing else does: in green light the image is not turquoise."""
+    """Claims that a color tints the whole image and, if it is the light's, that the hue is right: green light is not turquoise."""
     strength, least, change = chroma(lab_from_srgb(srgb)), _TINTED, _TINTED_MORE
     if attribute.kind == "light":
         least = max(min(_LIT, _LIT_SHARE * strength), least)
@@ -124,7 +127,7 @@ def _of_all_light(attribute: Attribute, tint: Claim, srgb: Values) -> Iterator[C
 
 
 def of_material(attribute: Attribute, others: Iterable[Attribute], vocabulary: Vocabulary) -> Iterator[Claim]:
-    """Claims of a material with a color of its own, as gold; one that may have any, as leather, yields to a color of `others`."""
+    """Claims of a material with a color of its own, as gold. For one with only a usual color, as leather, a color in `others` wins."""
     entry, part = vocabulary.entries.get(attribute.entry), attribute.part
     if entry is None or entry.slot != "material" or part == "picture":
         return
@@ -136,11 +139,11 @@ def of_material(attribute: Attribute, others: Iterable[Attribute], vocabulary: V
             continue
         srgb, thing = srgb_from_hex(effect.color), attribute.thing or part
         for tint in tints(attribute.word, thing, part, srgb, attribute.owners):
-            yield replace(tint, change=None)  # gold that is blue is none, however much less blue than before
+            yield replace(tint, change=None)  # no change is enough: less blue gold is still not gold
         light, strength = lab_from_srgb(srgb)[0], chroma(lab_from_srgb(srgb))
         if reflects or strength >= COLORED:
             continue
-        # A gray material is about as light as that: snow is white, and asphalt is not.
+        # A gray material has about its own lightness: snow is white, and asphalt is not.
         lower = -math.inf if light < _BLACK_MATERIAL else _DARKER * light
         upper = math.inf if light > _WHITE_MATERIAL else light + _LIGHTER
         change = _REPAINTED if upper == math.inf else -_REPAINTED if lower == -math.inf else None
@@ -149,7 +152,7 @@ def of_material(attribute: Attribute, others: Iterable[Attribute], vocabulary: V
 
 
 def _colors(color: Attribute, material: Attribute) -> bool:
-    """True if an attribute is the color of the objects that have a material."""
+    """True if a color word describes the same objects as a material word."""
     owners = {*color.owners}, {*material.owners}
     same = not all(owners) or not owners[0].isdisjoint(owners[1])
     return color.color is not None and not color.negated and color.region == material.region and same

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From goals to claims about the image: those of single wishes, how they limit each other, and those of every image."""
+"""From goals to claims about the image: the claims of single wishes, how they limit each other, and those of every image."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -18,44 +18,45 @@ from ..words.types import Attribute, Part
 from .claim import Claim
 from .colors import as_accent, of_color, of_material
 
-_OF_MOODS = 0.5  # weight of what a mood stands for
-_OPPOSED = 0.5  # cosine between a tint and the other direction, from where an image cannot have both
-_LIT = 44.0  # least L* of an image in colored light
-_LIT_SHARE = 0.7  # of the color's lightness, which is enough
+_OF_MOODS = 0.5  # weight of the claims that a mood implies
+_OPPOSED = 0.5  # an image cannot have both of two tints if the cosine of their hues is below minus this
+_LIT = 44.0  # L* of an image in colored light that is enough
+_LIT_SHARE = 0.7  # share of the color's own lightness that is enough, too
 
-# Of every image
-_BURNT, _SUBJECT_DROWNED, _DROWNED = 0.06, 0.3, 0.12  # shares that may be overexposed, or drown in black
-_CLIPPED = 0.005  # share with a clipped channel: a pure red has no shading left
+# Limits for every image
+_BURNT, _SUBJECT_DROWNED, _DROWNED = 0.06, 0.3, 0.12
+"""Largest overexposed share of the image or of the subject, and largest shares of subject and image that drown in black."""
+_CLIPPED = 0.005  # largest share of pixels with a clipped channel: a clipped color shows no shading
 _VIVID = 82.0  # colorfulness that people call high, Hasler and Süsstrunk 2003
-_FULL = 0.97  # a channel of a named color from where the image may have it clipped
-_WHITE, _BRIGHT = 90.0, 60.0  # L* of a color that is white, and of an image of which parts may be overexposed
-_BLACK, _DARK = 22.0, 50.0  # L* of a color that is black, and the most that words for dark ask for
-_APART = 10.0  # Lab distance between the subject and its ground
-_SHAPED = 14.0  # least L* between a subject's tenths, which show its shape
-_FLAT = 8.0  # the same where words ask for flat
-_DIM = 22.0  # L* of the median of a reference image from where its subject may drown in black
-_SHOWN = ("burnt", "drowned", "separation")
-_DIMMEST = 24.0  # least L* of the lightest parts of a subject: even at night its lights are seen
+_FULL = 0.97  # largest channel of a named color above which channels may be clipped
+_WHITE, _BRIGHT = 90.0, 60.0  # L* of a named color, and of a claim, above which parts may be overexposed
+_BLACK, _DARK = 22.0, 50.0  # L* of a named color, and of a claim, below which parts may drown in black
+_APART = 10.0  # least Lab distance between the subject and the ring around it
+_SHAPED = 14.0  # least L* between a subject's darkest and lightest tenth: shading shows its shape
+_FLAT = 8.0  # the same if words ask for a dark or flat image
+_DIM = 22.0  # median L* of a reference image below which the subject may drown in black
+_SHOWN = ("burnt", "drowned", "separation")  # measures that a reference image of the same scene decides
+_DIMMEST = 24.0  # least L* of the lightest parts of a subject: even at night its highlights are visible
 
 _TINTS = ("tint", "accent")
 
-# Of a further sentence
+# Claims of a further sentence: the rest of the image stays as it is
 _REST = "rest of the image"
-_PLACES = (6, 4)  # of the image, across and down, that stay as they are each by itself
-_STILL = (1.0, 0.4, 0.4)  # OKLab, times 100, by which places may change
-_EXACT = (0.5, 0.2, 0.2)  # the same if words say that it stays
-_HELD = 0.3  # weight of a place
-_COLORED = ("light_color", "cast", "saturation", "color")  # of the whole image, and they leave its lightness
+_PLACES = (6, 4)  # columns and rows of the grid of places, each of which stays as it is
+_STILL = (1.0, 0.4, 0.4)  # OKLab, times 100, by which the mean color of a place may change
+_EXACT = (0.5, 0.2, 0.2)  # the same where the prompt says that it stays
+_HELD = 0.3  # weight of the claim for a place
+_COLORED = ("light_color", "cast", "saturation", "color")  # quantities that change color, but not lightness
 
 
 def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
-    """The claims of goals, and those of every image: that its subject can be seen."""
+    """The claims of goals, and the claims of every image, as that its subject can be seen."""
     goals = goals_with_picture(goals, vocabulary)
     ranked = sorted((wish for wish in goals.wishes if not wish.of_picture), key=lambda wish: wish.rank)
     rows = _with_accents([(wish, [*_of_wish(wish, goals, vocabulary)]) for wish in ranked])
     colors = [c for wish, row in rows if wish.attribute.color and not wish.implied for c in row]
 
-    # Each word adds what those of higher rank do not claim already.
+    # A word adds only claims that words of higher rank do not make already.
     claims: list[Claim] = []
     for wish, row in rows:
         for claim in row:
@@ -63,14 +64,14 @@ def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
                 claims.append(claim)
     claims += _least_lightness(colors, claims)
 
-    # Light is measured on what has no color of its own.
+    # Claims about the color of light are measured where words give no color to objects.
     colored = [c for c in claims if c.measure == "color"]
     colored += [c for wish, row in rows for c in row if _is_painted(c, wish.attribute)]
     shown = []
     for claim in claims:
         claim = _without_colored(claim, colored) if _is_light(claim) else claim
         if (claim.part, claim.measure) == ("picture", "chroma") and claim.lower[0] > 0.0:
-            # vivid objects: a gray world behind them has no color, and lights them
+            # "Vivid" is about objects: the world behind them may be gray, for it also lights them.
             claim = replace(claim, apart=(("sky", ()),))
         shown.append(claim)
     rig, pictured = (
@@ -85,7 +86,7 @@ def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
 
 
 def _shared(rig: Sequence[Claim]) -> list[Claim]:
-    """A rig's claims, each once, for the first word that asks for it; others share it."""
+    """A rig's claims, each once: the first word that asks for it has the claim, and other words are in its `also`."""
     words: dict[tuple[object, ...], dict[str, Claim]] = {}
     for claim in rig:
         words.setdefault((claim.measure, claim.color), {}).setdefault(claim.word, claim)
@@ -93,7 +94,7 @@ def _shared(rig: Sequence[Claim]) -> list[Claim]:
 
 
 def light_claims(light: Sequence[Claim], claims: Sequence[Claim]) -> Iterator[Claim]:
-    """A rig's claims, without those that the subject's paint decides: the light's color is then measured around the subject."""
+    """A rig's claims. If words color the subject, the light's warmth is measured around it, and `standing_out` is not claimed."""
     painted = any(c.part == "subject" and c.measure in ("color", "tint") for c in claims)
     for claim in light:
         if painted and claim.measure == "highlight_warmth":
@@ -115,7 +116,7 @@ def _of_wish(wish: Wish, goals: Goals, vocabulary: Vocabulary) -> Iterator[Claim
 
 
 def _of_text(text: ClaimText, wish: Wish) -> Claim:
-    """A claim of a wish. What a mood stands for counts less than a named look: a summery image is not all orange."""
+    """One claim of a wish. Claims that a mood implies have less weight than those of a named look."""
     attribute, part, own = wish.attribute, wish.part_of(text), text.part == "thing"
     color = srgb_from_hex(text.color) if text.color else None
     named = lab_from_srgb(color) if color else (0.0, 0.0, 0.0)
@@ -139,7 +140,10 @@ def _of_text(text: ClaimText, wish: Wish) -> Claim:
 
 
 def _with_accents(rows: list[tuple[Wish, list[Claim]]]) -> list[tuple[Wish, list[Claim]]]:
-    """Wishes with their claims; colors that no image can have all over, and those of several lights, have a part of it each."""
+    """The rows (wish, its claims), in which some tints of the whole image become accents, see `as_accent`.
+
+    They are tints of opposite hues, which one image cannot have all over, and tints of several lights.
+    """
     colored = [(wish.attribute, c) for wish, row in rows if wish.attribute.color for c in row]
     tints = [(a, c) for a, c in colored if (c.part, c.measure) == ("picture", "tint")]
     lights = [wish.attribute for wish, _ in rows if wish.quantity == "light_color"]
@@ -157,10 +161,10 @@ def _cosine(first: Claim, second: Claim) -> float:
 
 
 def _narrows(claim: Claim, usual: bool, first: Claim) -> bool:
-    """True if a claim adds anything to one of higher rank.
+    """True if a claim adds anything to the claim `first` of higher rank.
 
-    Of one measure of one part, a claim that goes further in the same sense does: an old detective movie is as gray as the
-    movie, not as the old one. Of several colors of a part the first counts, and what is only usual adds nothing.
+    A claim about the same measure and part does if both intervals overlap and it excludes a part of the first: an old detective
+    movie is as gray as the movie. If several words color one part, the first counts. A usual claim adds nothing.
     """
     if _measured(claim) != _measured(first):
         return True
@@ -171,12 +175,12 @@ def _narrows(claim: Claim, usual: bool, first: Claim) -> bool:
 
 
 def _measured(claim: Claim) -> tuple[object, ...]:
-    """Measure and region of a claim; of colors the hue is what is claimed."""
+    """What a claim is about: measure, part, materials and direction, which for `color` belongs to the interval instead."""
     return claim.measure, claim.part, claim.materials, () if claim.measure == "color" else claim.direction
 
 
 def _least_lightness(colors: Sequence[Claim], claims: Sequence[Claim]) -> list[Claim]:
-    """The least lightness of colored light, where no word says one: exposing less would drown the other colors."""
+    """The claim for the least lightness in colored light, if no word claims lightness: less exposure would drown other colors."""
     tints = [c.color for c in colors if (c.part, c.measure) == ("picture", "tint") and c.color]
     if not tints or any(map(_is_brightness, claims)):
         return []
@@ -185,7 +189,7 @@ def _least_lightness(colors: Sequence[Claim], claims: Sequence[Claim]) -> list[C
 
 
 def _without_colored(claim: Claim, colored: Sequence[Claim]) -> Claim:
-    """A claim about light, measured on parts that get no color of their own by other words."""
+    """A claim about the color of light, measured only on parts to which other words give no color."""
     others = (c for c in colored if c.measure == "color" or c.part == "sky" or c.word != claim.word)
     return replace(claim, apart=tuple(dict.fromkeys((c.part, c.materials) for c in others)))
 
@@ -207,7 +211,11 @@ def _is_brightness(claim: Claim) -> bool:
 
 
 def _is_told(claim: Claim, pictured: Sequence[Claim]) -> bool:
-    """True if a reference image says itself what is claimed of every image: how black it is, and all that one of the same scene shows."""
+    """True if a reference image replaces a claim of every image.
+
+    One of the same scene replaces all claims in `_SHOWN`. Any other replaces how much may drown in black; for the subject only if
+    the reference image itself is dim.
+    """
     medians = [each.lower[0] for each in pictured if each.measure == "median"]
     same = any(each.measure == "mean" for each in pictured)
     drowned = medians and (claim.part == "picture" or min(medians) < _DIM)
@@ -215,7 +223,11 @@ def _is_told(claim: Claim, pictured: Sequence[Claim]) -> bool:
 
 
 def _held(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
-    """Claims that the rest of the image stays: places, in lightness or color, and what the words of a further sentence say."""
+    """Claims that the rest of the image stays as it is after a further sentence.
+
+    They are about the materials and the world that the prompt protects, and about each place of a grid. If the sentence changes
+    brightness, a place keeps only its color; if it changes color, only its lightness; if it changes both, nothing.
+    """
     for owner in goals.parsed.protected:
         group, _, name = owner.partition("/")
         if group in ("material", "world"):
@@ -227,16 +239,16 @@ def _held(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
     kinds = {c: quantities().measures.get(c.measure, "") for c in claims}
     whole = {kind for c, kind in kinds.items() if c.part == "picture" and not c.materials}
     if relit or "haze" in kinds.values():
-        return  # new light falls on all that is around; air is in front of it
+        return  # new light and air change the whole image
     if any(not e.family.startswith("material/") for w in acting for e in w.effects):
-        return  # there is more of something whose place no measure knows
+        return  # an effect that no measure covers may change any place
     light, color = "brightness" in whole, not whole.isdisjoint(_COLORED)
-    if whole and not (light or color):  # how light falls: each place may change, their mean does not
+    if whole and not (light or color):  # about how light falls: places may change, but not the mean lightness
         yield _still("picture", (_EXACT[0], math.inf, math.inf))
         light = True
     if light and color:
         return
-    # Of a darker image less chroma is the same color.
+    # Where lightness may change, chromaticity stays: a darker version of a color has less chroma.
     measure = "chromaticity" if light else "mean"
     width = _STILL[1:] if light else (_STILL[0], math.inf, math.inf) if color else _STILL
     apart = [(c.part, c.materials) for c in claims if c.part != "picture" or c.materials]
@@ -249,26 +261,29 @@ def _held(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
 
 
 def _still(part: Part, width: Values, measure: str = "mean", **where: Any) -> Claim:
-    """A claim without words: a place keeps its mean color, as far as the widths, OKLab, go."""
+    """A claim without words: the mean color of a region changes by at most `width` in each component, OKLab times 100."""
     lower = tuple(-v for v in width)
     return Claim("", _REST, measure, part, lower, width, by=True, **where)
 
 
 def _of_every_image(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
-    """The subject stands out from its ground, nothing is overexposed, clipped, gaudy or drowned, or no more than before."""
+    """The claims of every image: the subject is visible, and nothing is overexposed, clipped, gaudy or drowned in black.
+
+    Each is also satisfied by an image that is no worse than the artist's.
+    """
     dark = goals.classes.get("brightness") == "dark"
     lightness = [lab_from_srgb(c.color)[0] for c in claims if c.color]
     yield Claim.unsaid("subject", "separation", lower=_APART)
     yield Claim.unsaid("subject", "burnt", upper=_BURNT)
     if not any(a.entry == "silhouette" and not a.negated for a in goals.parsed.attributes):
         yield Claim.unsaid("subject", "white_point", lower=_DIMMEST)
-        if goals.classes.get("haze") != "thick":  # which takes the contrast of all that is in it
+        if goals.classes.get("haze") != "thick":  # thick fog takes the contrast of what is in it
             flat = dark or goals.classes.get("contrast") == "low"
             yield Claim.unsaid("subject", "spread", lower=_FLAT if flat else _SHAPED)
         if not dark:
             yield Claim.unsaid("subject", "drowned", upper=_SUBJECT_DROWNED)
 
-    # Words that ask for white or a bright image, or for black or a dark one, get it.
+    # Words for white or a bright image allow overexposed parts; those for black or a dark image allow black ones.
     bright = any(_is_brightness(c) and c.lower[0] > _BRIGHT for c in claims)
     if not bright and not any(light > _WHITE for light in lightness):
         yield Claim.unsaid("picture", "burnt", upper=_BURNT)

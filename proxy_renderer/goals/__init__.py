@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Goals for the image: wishes, and the one that wins a conflict."""
+"""Goals for the image: the wishes of the words, and the rules that decide which wish wins a conflict."""

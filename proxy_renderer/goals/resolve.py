@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The one place where it is decided which word wins: wishes that cannot be had together, and goals without them."""
+"""The one place that decides which word wins: it finds wishes that contradict each other, and makes goals of the winners."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from ..words.parser import Understood
 from ..words.types import Attribute, Parsed
 from .wish import PAINTED, Wish, wishes_of
 
-_DARK, _LIGHT = 38.0, 72.0  # L* of surroundings that leave no bright image, and no dark one
+_DARK, _LIGHT = 38.0, 72.0  # L* of surroundings below which no image is bright, and above which none is dark
 _COLORED, _VIVID, _GRAY = 12.0, 35.0, 8.0
-"""C* from which light has a color, and a color is vivid, and below which it is none."""
-_WARMTH = 0.3  # cosine with warm or cool light from which vivid surroundings are of the other kind
-_OPPOSED = 0.5  # cosine between a tint and the other direction, from where an image cannot have both
+"""C* from which light counts as colored, from which a color is vivid, and below which a color is gray."""
+_WARMTH = 0.3  # warmth (cosine with warm light) from which vivid surroundings rule out cool light; below -0.3 warm light
+_OPPOSED = 0.5  # an image cannot have both of two tints if the cosine of their hues is below minus this
 _WHITE_LIGHT = (5500.0, 7500.0)  # kelvins between which light is neither warm nor cool
 _AIR = ("light", "fog", "tone", "ambience", "sky")  # their color is on everything in the image
 _FIXED = ("warmth", "tint", "accent", "chroma")  # measures that a color word for the surroundings fixes
@@ -37,13 +37,13 @@ _SETTLED = {
     "color": ("cast", "lightness", "mean"),
     "burnt": ("white_point",),
 }
-"""Measure of a word -> measures that it settles of the same part, whatever a reference image has."""
+"""Measure of a word -> measures of the same part that it decides too: claims of a reference image about them are dropped."""
 _NONE = "none"  # the class of an image that has nothing of a quantity
 _MATTER = ("color", "finish", "substance", "glow")
 
 
 def contradicts(first: Wish, later: Wish) -> bool:
-    """True if a wish cannot be had together with one that ranks before it."""
+    """True if a wish contradicts the wish `first`, which ranks before it."""
     a, b = first.attribute, later.attribute
     if a is b or first.word == later.word or a.is_of_another_light(b):
         return False
@@ -51,7 +51,7 @@ def contradicts(first: Wish, later: Wish) -> bool:
         return not first.of_picture and _settles(first, later)
     if a.color and not first.implied and _ruled_out(first, later):
         return True
-    # colored light colors gray surroundings too: a gallery is not gray at sunset
+    # Colored light also colors gray surroundings: a gallery is not gray at sunset.
     if _is_tinted(first) and any((c.part, c.measure) == ("surroundings", "chroma") for c in later.claims):
         return True
     if not _same_target(first, later):
@@ -67,12 +67,12 @@ def contradicts(first: Wish, later: Wish) -> bool:
     if a.color and b.color:
         return first.quantity != "light_color" or later.implied
     if first.named != later.named and _NONE in (first.named, later.named) and first.named and later.named:
-        return True  # no fog is not a little fog, though measures of both overlap
+        return True  # "no fog" contradicts "a little fog", though the intervals of their claims overlap
     if _overlapping(first.claims, later.claims):
-        return False  # the image can be as both want it: parameters are shared out by rank
+        return False  # one image can satisfy both; for parameters that both need, the rank decides
     if _other_class(first, later) or _disjoint_effects(first, later):
         return True
-    if first.quantity == "light_color":  # warm and cool, or a color by name and a temperature
+    if first.quantity == "light_color":  # warm against cool, or a named color against a temperature
         gels = [any(e.name == "color" and e.color for e in wish.effects) for wish in (first, later)]
         return later.implied and (gels[0] != gels[1] or _warmth(first) * _warmth(later) < 0)
     shared = {*map(_axis, first.claims)} & {*map(_axis, later.claims)}
@@ -81,7 +81,7 @@ def contradicts(first: Wish, later: Wish) -> bool:
 
 
 def _settles(word: Wish, picture: Wish) -> bool:
-    """True if a word is about what a picture's wish claims: then it alone counts, for what the picture has is known to the artist."""
+    """True if a word is about a measure that the wish of a reference image claims: then only the word counts."""
     measured = set(_measured(word))
     return any(
         part in ("picture", picture.part_of(claim))
@@ -93,7 +93,7 @@ def _settles(word: Wish, picture: Wish) -> bool:
 
 
 def _measured(wish: Wish) -> Iterator[tuple[str, str]]:
-    """Parts of the image and what is measured of them, of a word; a named color is a color, a cast or a tint."""
+    """(part of the image, measure) pairs that a word's wish decides; a named color decides a color, a cast or a tint."""
     yield from ((wish.part_of(claim), claim.measure) for claim in wish.claims)
     attribute = wish.attribute
     color = attribute.color or _own_color(wish, weak=True)
@@ -120,7 +120,7 @@ def _same_target(first: Wish, later: Wish) -> bool:
 
 
 def _other_class(first: Wish, later: Wish) -> bool:
-    """True if two wishes name classes that no image can be of together; of colors, claims say that."""
+    """True if two wishes name classes that no image can have together; False for basic colors, which claims compare."""
     if not (first.named and later.named) or first.named == later.named or first.quantity in PAINTED:
         return False
     classes = first.about.classes
@@ -128,7 +128,7 @@ def _other_class(first: Wish, later: Wish) -> bool:
 
 
 def _overlapping(some: Sequence[ClaimText], others: Sequence[ClaimText]) -> bool:
-    """True if an image can be of two classes: thick fog is light fog too."""
+    """True if two lists of claims have overlapping intervals for one measure, as those of thick and of light fog."""
     return any(not _apart(a, b) for a in some for b in others if _axis(a) == _axis(b))
 
 
@@ -142,7 +142,10 @@ def _axis(claim: ClaimText) -> tuple[object, ...]:
 
 
 def _disjoint_claims(first: Wish, later: Wish) -> bool:
-    """True if two wishes claim disjoint intervals of a measure; usual surroundings yield to a word for the whole image."""
+    """True if two wishes claim disjoint intervals of one measure of one part.
+
+    A claim of the first wish about the whole image also counts against an implied or usual claim about the surroundings.
+    """
     yields = later.implied or later.usual > 0
     return any(
         _apart(a, b)
@@ -154,7 +157,7 @@ def _disjoint_claims(first: Wish, later: Wish) -> bool:
 
 
 def _disjoint_effects(first: Wish, later: Wish) -> bool:
-    """True if two wishes want ranges of one parameter that have nothing in common; defaults want none."""
+    """True if two wishes have disjoint ranges for one parameter; weak effects do not count."""
     for a in first.effects:
         for b in later.effects:
             same = (a.owner, a.name, a.mode) == (b.owner, b.name, b.mode) and not (a.weak or b.weak)
@@ -166,7 +169,7 @@ def _disjoint_effects(first: Wish, later: Wish) -> bool:
 
 
 def _ends(effect: Effect, other: Effect) -> tuple[Values, Values]:
-    """The ends of a range, in as many components as the other's: one number stands for all three of a color."""
+    """The ends of an effect's range with as many components as the other's: one number stands for all three of a color."""
     times = max(len(other.lower) // len(effect.lower), 1)
     return effect.lower * times, effect.upper * times
 
@@ -179,7 +182,7 @@ def _warmth(wish: Wish) -> int:
 
 
 def _ruled_out(color: Wish, wish: Wish) -> bool:
-    """True if a named color leaves no room for a wish: a forest in front of a purple background is not green."""
+    """True if a named color rules out another wish: in front of a purple background a forest is not green."""
     lab = lab_from_srgb(color.attribute.color or ())
     if (wish.implied or wish.usual) and (wish.quantity, wish.toward) in set(_impossible(color, lab)):
         return True
@@ -187,7 +190,7 @@ def _ruled_out(color: Wish, wish: Wish) -> bool:
         return wish.implied and color.attribute.kind == wish.attribute.kind
     if wish.quantity == "light_color" and color.attribute.kind in _ALL_LIGHT:
         return not (color.attribute.of_one_light or wish.attribute.of_one_light) and _opposed(wish, lab)
-    # the color that a place or a sky usually has
+    # The wish is the color that a place or a sky usually has.
     kind = color.attribute.kind
     seen = wish.quantity == "surroundings_color" and kind in ("surroundings", "sky")
     fixed = any(c.measure in _FIXED and c.part == kind for c in wish.claims)
@@ -195,7 +198,7 @@ def _ruled_out(color: Wish, wish: Wish) -> bool:
 
 
 def _impossible(color: Wish, lab: Lab) -> Iterator[tuple[str, str]]:
-    """Quantities with the class that an image cannot be of where a target has a color by name."""
+    """(quantity, class) pairs that an image cannot have if a target has this named color."""
     light, a, b = lab
     attribute, strong = color.attribute, chroma(lab)
     around = attribute.kind == "surroundings" and not attribute.owners
@@ -213,7 +216,7 @@ def _impossible(color: Wish, lab: Lab) -> Iterator[tuple[str, str]]:
 
 
 def _opposed(wish: Wish, lab: Lab) -> bool:
-    """True if a wish asks for light of the other side than a color's: for warm light, where it is named blue."""
+    """True if a wish asks for light of a hue opposite to a named color: for warm light where the light is named blue."""
     strong, warmth = chroma(lab), warm(*lab[1:])
     if strong <= _GRAY:
         return False
@@ -243,7 +246,7 @@ def _is_tinted(wish: Wish) -> bool:
 
 
 def _is_recolored(color: Wish, material: Wish) -> bool:
-    """True if an object gets another hue than its material: no copper is blue, and oak is blue only as a stain."""
+    """True if a named color has another hue than a material of the same target: copper is not blue."""
     if not color.attribute.color or color.quantity not in PAINTED or material.quantity != "color":
         return False
     own = _own_color(material, weak=color.attribute.thing == material.attribute.thing)
@@ -251,7 +254,7 @@ def _is_recolored(color: Wish, material: Wish) -> bool:
 
 
 def _own_color(wish: Wish, weak: bool) -> Values | None:
-    """The color, sRGB, of a wish's material; None where it has none, or, unless `weak`, may have any."""
+    """The color, sRGB, of a wish's material; None if the material has none. A weak color (only a default) counts if `weak`."""
     for e in wish.effects:
         if e.family == "material/tint" and e.color[:1] == "#" and (weak or not e.weak):
             return srgb_from_hex(e.color)
@@ -259,21 +262,21 @@ def _own_color(wish: Wish, weak: bool) -> Values | None:
 
 
 def _is_gray(wish: Wish) -> bool:
-    """True if a wish is the color of an object, and a gray one: that of asphalt."""
+    """True if the color of a wish is gray: its named color, or that of a material such as asphalt."""
     color = wish.attribute.color or _own_color(wish, weak=True)
     return color is not None and chroma(lab_from_srgb(color)) < _COLORED
 
 
 @dataclass(frozen=True)
 class Lost:
-    """A wish that is not sought, and the winner: one that it contradicts and that ranks before it."""
+    """A wish that is overridden, and the winner: a wish that it contradicts and that ranks before it."""
 
     wish: Wish
     winner: Wish
 
     @property
     def is_news(self) -> bool:
-        """True if artists should hear of it: both were said, and mean what they say. Words come before a picture, as expected."""
+        """True if it is worth a note to the artist: the prompt says both, and neither is implied, usual or of a reference image."""
         unsaid = (w.implied or w.usual or w.of_picture for w in (self.wish, self.winner))
         return not any(unsaid)
 
@@ -283,13 +286,13 @@ class Lost:
 
 @dataclass(frozen=True)
 class Goals:
-    """Goals for the image: the bound prompt, the wishes that are sought, in its order, and those that gave way."""
+    """Goals for the image: the bound prompt, the wishes that are sought, in the order of the prompt, and the overridden ones."""
 
     parsed: Parsed
     wishes: tuple[Wish, ...] = ()
     lost: tuple[Lost, ...] = ()
-    shown: tuple[Wish, ...] = ()  # what an image has to show of a rig that its words stand for
-    holds: bool = False  # whether they go on from an image of which the rest stays, see `further`
+    shown: tuple[Wish, ...] = ()  # wishes about how the light of a rig looks in the image
+    holds: bool = False  # whether they go on from an image, whose rest stays as it is, see `further`
 
     @cached_property
     def pictured(self) -> tuple[Wish, ...]:
@@ -297,19 +300,19 @@ class Goals:
         return tuple(wish for wish in self.wishes if wish.of_picture)
 
     def with_picture(self, pictured: Iterable[Wish]) -> Goals:
-        """The same goals with the wishes of a reference image, in the place of those of an earlier one."""
+        """The same goals with the wishes of a reference image, which replace the wishes of an earlier one."""
         every = (*self.wishes, *(each.wish for each in self.lost))
         return resolved(self.parsed, [*(wish for wish in every if not wish.of_picture), *pictured])
 
     @cached_property
     def classes(self) -> dict[str, str]:
-        """Quantity -> the class that the image or its subject is to be of, by the wish that ranks first."""
+        """Quantity -> the class that the image or its subject should have, from the wish that ranks first."""
         ranked = sorted(self.wishes, key=lambda wish: wish.rank)
         return {wish.quantity: wish.named for wish in reversed(ranked) if wish.named}
 
     @cached_property
     def overruled(self) -> tuple[Attribute, ...]:
-        """The words of which nothing is sought, or none of the classes that they name."""
+        """The words that lost all their wishes, or all wishes in which they name a class."""
         named = [wish.attribute for wish in self.wishes if wish.named]
         sought = [wish.attribute for wish in self.wishes]
         lost = (each.wish for each in self.lost)
@@ -317,12 +320,12 @@ class Goals:
         return tuple(dict.fromkeys(out))
 
     def notes(self) -> Iterator[str]:
-        """Sentences on the words that gave way to others."""
+        """Sentences about the words that other words override."""
         return (str(each) for each in self.lost if each.is_news)
 
 
 def goals_or_why(understood: Understood) -> Goals | VibeError:
-    """The goals of a prompt, or why nothing in it is understood."""
+    """The goals of a prompt, or the error that says why nothing in it is understood."""
     return understood.unknown or goals_of(understood.parsed)
 
 
@@ -333,8 +336,11 @@ def goals_of(parsed: Parsed, vocabulary: Vocabulary | None = None) -> Goals:
 
 
 def resolved(parsed: Parsed, wishes: Sequence[Wish]) -> Goals:
-    """Goals of wishes: by rank, each is kept unless it contradicts one that is kept already."""
-    idle: set[int] = set()  # words whose supporting wishes are out; what they had won goes back to others
+    """Goals of wishes: in order of rank, each wish is kept unless it contradicts one that is kept already.
+
+    A word whose visible wishes all lose also drops its other wishes. Wishes that these had overridden can then win.
+    """
+    idle: set[int] = set()  # ids of the words that have lost all visible wishes
     while True:
         kept, lost = _by_rank([wish for wish in wishes if wish.is_seen or id(wish.attribute) not in idle])
         unseen = _unseen(kept, lost)
@@ -356,10 +362,10 @@ def resolved(parsed: Parsed, wishes: Sequence[Wish]) -> Goals:
 
 
 def _by_rank(wishes: Sequence[Wish]) -> tuple[list[Wish], list[Lost]]:
-    """The wishes that are kept, and those that contradict one that ranks before them."""
+    """The wishes that are kept, and the wishes that contradict a kept one, which ranks before them."""
     kept: list[Wish] = []
     lost: list[Lost] = []
-    for wish in sorted(wishes, key=lambda each: each.rank):  # words of one rank in the order of the prompt
+    for wish in sorted(wishes, key=lambda each: each.rank):  # equal ranks stay in the order of the prompt
         winner = next((first for first in kept if contradicts(first, wish)), None)
         if winner is None:
             kept.append(wish)
@@ -369,7 +375,7 @@ def _by_rank(wishes: Sequence[Wish]) -> tuple[list[Wish], list[Lost]]:
 
 
 def _unseen(kept: Sequence[Wish], lost: Sequence[Lost]) -> dict[int, Wish]:
-    """Words whose visible wishes all gave way -> the first winner. Of a material each quantity counts by itself."""
+    """Ids of words whose visible wishes are all overridden -> the first winner. Words for surfaces are never among them."""
     main = (each for each in reversed(lost) if each.wish.is_seen and each.wish.attribute.slot not in SURFACES)
     winners = {id(each.wish.attribute): each.winner for each in main}
     sought = {id(wish.attribute) for wish in kept if wish.is_seen}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A wish: what one word wants of one quantity. Ranges of parameters and claims about the image are computed from it."""
+"""A wish: the request of one word about one quantity. Parameter ranges and claims about the image are computed from it."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -19,30 +19,30 @@ _OWN: Mapping[str, tuple[str, ...]] = {
     "atmosphere": ("haze", "haze_color"),
     "setting": (),
 }
-"""Slots of words that say only what is usual of other quantities than these: a rainy day is gray, but not if it is said to be golden,
-and gold is shiny, but not if it is matte."""
-PAINTED = ("color", "surroundings_color")  # quantities of which a class is a basic color
-_CHANGES = ("times", "plus", "near", "shade")  # modes of effects that only change what is there
+"""Slot -> the quantities that its words are about. For all other quantities they say what is usual, which other words override:
+a rainy day is gray, but not if the prompt calls it golden; gold is shiny, but not if the prompt calls it matte."""
+PAINTED = ("color", "surroundings_color")  # quantities whose classes are basic colors
+_CHANGES = ("times", "plus", "near", "shade")  # modes of effects that change the present value
 _MAIN = 1  # priority of what a word is mainly about
 
 
 @dataclass(frozen=True)
 class Wish:
-    """The demand of one word on one quantity."""
+    """The request of one word, or of a reference image, about one quantity."""
 
     attribute: Attribute  # the word, with what it describes: source and target
     quantity: str  # name in `quantities.toml`
-    named: str = ""  # the class that it asks for: "glossy"; "" where it names none, or is a color
-    toward: str = ""  # the same where it is said too softly to ask for all of it: "slightly muted"
-    effects: tuple[Effect, ...] = ()  # what it does to parameters; of a color, what colors do to such a thing
-    claims: tuple[ClaimText, ...] = ()  # what the image has to look like, those of the class last
-    strength: float = 1.0  # 1 as named; less for "slightly" and for what is only denied, more for "very"
-    breadth: int = 0  # how many things its word claims: what is about nothing else counts more
+    named: str = ""  # the class that it asks for, as "glossy"; "" if it asks for none
+    toward: str = ""  # `named`, or if that is "" the class of its entry: "slightly muted" is toward "muted"
+    effects: tuple[Effect, ...] = ()  # on parameters; of a color word, those of colors on such a target
+    claims: tuple[ClaimText, ...] = ()  # about the image, those of the class last
+    strength: float = 1.0  # 1 for the plain word, less for "slightly" and some negated words, more for "very"
+    breadth: int = 0  # number of claims of its word, each measure and part once: fewer claims win a conflict
     vague: bool = False  # whether its word is about the light or the image as a whole: a time of day, a style
 
     @property
     def word(self) -> str:
-        """The word of the prompt that it comes from."""
+        """The word of the prompt that the wish comes from."""
         return self.attribute.cause or self.attribute.word
 
     @property
@@ -52,51 +52,52 @@ class Wish:
 
     @property
     def implied(self) -> bool:
-        """True if a mood stands for it: the prompt does not say it."""
+        """True if the wish comes from a mood or style and is not in the prompt itself."""
         return bool(self.attribute.cause)
 
     @property
     def of_picture(self) -> bool:
-        """True if a reference image says it, and no word."""
+        """True if the wish comes from a reference image, not from a word."""
         return self.attribute.slot == PICTURE
 
     def asked_of(self, claim: ClaimText) -> ClaimText:
-        """One of its claims as its word means it: what a mood stands for, and a soft word, is satisfied sooner."""
+        """One of the wish's claims, adapted to its strength: implied and soft words are satisfied sooner."""
         strength = self.attribute.strength
         return claim.of_strength(strength, self.implied or strength < _SOFT)
 
     def part_of(self, claim: ClaimText) -> Part:
-        """The part of the image that one of its claims is about."""
+        """The part of the image that one of the wish's claims is about."""
         return self.attribute.part if claim.part == "thing" else cast(Part, claim.part)
 
     @property
     def is_seen(self) -> bool:
-        """True if it says what the image is to look like, and not only what may be done for it."""
+        """True if the wish says how the image should look, by a class or a measure; False if it only has effects."""
         return bool(self.named) or self.is_measured
 
     @property
     def is_measured(self) -> bool:
-        """True if it claims something of the image, which a measure reads off it."""
+        """True if the wish leads to a claim, which a measure can check on the image."""
         material = self.attribute.slot == "material" and self.quantity == "color" and self.effects
         return bool(self.claims or self.attribute.color or material)
 
     @cached_property
     def usual(self) -> int:
-        """0 for what a word says; above for what a material, a weather (1) or a place (2) usually has."""
+        """0 for what a word says, 1 for what a material or weather usually has, 2 for what a place usually has."""
         slot = self.attribute.slot
         if slot not in _OWN or self.quantity in _OWN[slot]:
             return 0
-        if slot == "setting":  # "a dark background" is mainly dark; a desert is bright as a rule
+        if slot == "setting":  # "a dark background" is mainly about darkness; a desert is only usually bright
             return 0 if any(e.priority == _MAIN for e in self.effects) else 2
         return 1
 
     @cached_property
     def rank(self) -> tuple[bool, bool, int, bool, bool, int, bool, int, int]:
-        """The place in a conflict, which the least wins.
+        """The sort key of a conflict: the smallest wins.
 
-        In this order: words before a reference image; what is more than a default; what is said before what is implied, and that
-        before what is usual; what is said of one thing before what is said of all; a named color before that of a material, and
-        what only changes what is there last; what is not vague; what is about nothing else; what its word is mainly about.
+        Of two wishes, the first of these rules that applies decides: a word before a reference image; any wish before a default; what
+        a word says before what is usual; said before implied; a word about one light or object before one about all. Then a named
+        color comes before the color of a material, and a mere change of the present color last. Last come words that are not vague
+        before vague ones, fewer claims before more, and the main effect of a word before its others.
         """
         default = not self.is_seen and all(e.weak for e in self.effects)
         general = not self.attribute.of_one_light
@@ -110,20 +111,20 @@ class Wish:
 
 
 def breadth_of(wishes: Iterable[Wish]) -> int:
-    """Number of things that the wishes of one word claim of the image."""
+    """Number of different (measure, part) pairs among the claims of one word's wishes."""
     return len({(claim.measure, claim.part) for wish in wishes for claim in wish.claims})
 
 
 _SOFT = 0.8  # strength below which a word is said softly
-_NOT = 0.6  # "not glossy" asks for a mild "matte"
+_NOT = 0.6  # strength of the opposite that a negated word asks for: "not glossy" is a mild "matte"
 _OF_COLORS = {
     "surroundings": "surroundings_color", "sky": "surroundings_color", "fog": "haze_color", "subject": "color",
     "glow": "color",
 }  # fmt: skip
-"""Kind of thing -> the quantity of its color; of all others it is the color of the light."""
-_OF_LIGHT = ("direction", "hardness", "light_color")  # their classes speak of the key, or of all light
-_OF_MATTER = ("color", "finish", "substance")
-_NO_MATTER = ("light", "fog", "tone", "shadow")  # kinds of things of which a word says nothing of a surface
+"""Kind of target -> the quantity that a color word for it is about; for all other kinds "light_color"."""
+_OF_LIGHT = ("direction", "hardness", "light_color")  # quantities whose classes describe the key or all light
+_OF_MATTER = ("color", "finish", "substance")  # quantities whose classes describe surfaces of the subject
+_NO_MATTER = ("light", "fog", "tone", "shadow")  # kinds of targets that are no surfaces
 
 
 def wishes_of(attributes: Iterable[Attribute], vocabulary: Vocabulary) -> list[Wish]:
@@ -136,7 +137,7 @@ def _of_word(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Wish]:
         if not attribute.negated:
             quantity = _OF_COLORS.get(attribute.kind, "light_color")
             effects = _allowed(vocabulary.painted.get(attribute.kind, ()), attribute)
-            anything = attribute.kind == "ambience"  # a color that is said of nothing
+            anything = attribute.kind == "ambience"  # a color word without a target
             if anything and is_dark(attribute):
                 return
             named = color_class(attribute) if quantity in PAINTED else ""
@@ -157,7 +158,7 @@ def _of_word(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Wish]:
 
 
 def _wish(own: EntryWish, attribute: Attribute, strength: float) -> Wish:
-    """An entry's wish for a word that is said of something, softly or strongly."""
+    """An entry's wish, adapted to the target and the strength of a word of the prompt."""
     quantity = quantities().by_name[own.quantity]
     named = own.named if _speaks_of(attribute, own.quantity) else ""
     if named and attribute.strength < _SOFT:
@@ -170,7 +171,7 @@ def _wish(own: EntryWish, attribute: Attribute, strength: float) -> Wish:
 
 
 def _speaks_of(attribute: Attribute, quantity: str) -> bool:
-    """True if a word names a class of a quantity where it stands: the classes of light speak of the key, or of all light."""
+    """True if the classes of a quantity apply to a word's target: those of light describe the key or all light, no rim or fill."""
     if quantity in _OF_LIGHT:
         return not (attribute.lights or attribute.role in ("rim", "fill"))
     if quantity in _OF_MATTER:
@@ -179,14 +180,17 @@ def _speaks_of(attribute: Attribute, quantity: str) -> bool:
 
 
 def _allowed(effects: Iterable[Effect], attribute: Attribute) -> tuple[Effect, ...]:
-    """The effects that are means which a word has: no mood paints."""
+    """The effects on parameters that a word of this slot may change: a mood changes no materials."""
     return tuple(e for e in effects if may_serve(OWNERS[e.owner], attribute.slot, attribute.cause))
 
 
 def _denied(entry: VocabularyEntry, vocabulary: Vocabulary) -> list[EntryWish]:
-    """The wishes of a denied word: what it forbids, else its opposite, else that its effects do nothing."""
+    """The wishes of a negated word.
+
+    They come from the entry's own `never` wishes, else from its opposite, else from its effects at values that change nothing.
+    """
     opposite = vocabulary.opposite(entry)
-    # pastel and noir are both muted
+    # An opposite may have classes in common with the word: pastel and noir are both muted.
     shared = entry.classes.items() & opposite.classes.items() if opposite else set()
     other = [m for m in opposite.wishes if (m.quantity, m.named) not in shared] if opposite else []
     acting = [m for m in entry.never if m.effects] or [m for m in other if m.effects]
@@ -199,7 +203,7 @@ def _denied(entry: VocabularyEntry, vocabulary: Vocabulary) -> list[EntryWish]:
 
 
 def _undone(effects: Iterable[Effect]) -> Iterator[Effect]:
-    """Effects at the values at which they change nothing, where a parameter has one."""
+    """Effects that set the defaults of their parameters: only of plain ranges of one number, and none of lights."""
     for effect in effects:
         if effect.mode == "" and len(effect.lower) == 1 and OWNERS[effect.owner] != "light":
             default = FAMILIES[effect.family].default

@@ -22,7 +22,7 @@ from .resolve import Goals, resolved
 from .wish import Wish, breadth_of
 
 T = TypeVar("T")
-_SHOWN = 60  # characters of what is quoted
+_SHOWN = 60  # characters of a quotation in a message, at most
 _MOST_OF_SHADES = 200.0
 _TYPES = {
     str: "a text in quotes",
@@ -34,7 +34,7 @@ _TYPES = {
 
 
 class JsonFields:
-    """The fields of a JSON object, each taken once and checked; messages name its place: "goals.words[2]"."""
+    """Takes and checks the fields of a JSON object. Messages name the object's place in the file, as "goals.words[2]"."""
 
     def __init__(self, raw: Any, place: str) -> None:
         if not isinstance(raw, dict):
@@ -43,7 +43,7 @@ class JsonFields:
         self._taken: set[str] = set()
 
     def take(self, name: str, kind: type, default: Any = None) -> Any:
-        """A field of a type; VibeError where it is of another, or missing and has no default."""
+        """The value of a field. VibeError if it has another type, or is missing and has no default."""
         self._taken.add(name)
         value = self.raw.get(name, default)
         if value is None:
@@ -62,7 +62,7 @@ class JsonFields:
         return value
 
     def number(self, name: str, default: float, least: float = -math.inf, most: float = math.inf) -> float:
-        """A finite number between two others."""
+        """A finite number from `least` to `most`; the default if the field is missing."""
         value: float = self.take(name, float, default)
         if not least <= value <= most:
             remedy = f"Write a number from {least:g} to {most:g}."
@@ -70,7 +70,7 @@ class JsonFields:
         return value
 
     def choice(self, name: str, known: tuple[str, ...], default: str | None = None) -> str:
-        """One of several texts."""
+        """A text that has to be one of the known ones."""
         value: str = self.take(name, str, default)
         if value not in known:
             remedy = f"Choose from: {', '.join(known)}."
@@ -78,27 +78,27 @@ class JsonFields:
         return value
 
     def texts(self, name: str) -> list[str]:
-        """A list of texts; empty where it is missing."""
+        """A list of texts; empty if the field is missing."""
         values: list[Any] = self.take(name, list, [])
         if not all(isinstance(value, str) for value in values):
             raise VibeError(f"{self.place}.{name} holds something else than texts.", 'Write ["...", "..."].')
         return values
 
     def numbers(self, name: str) -> tuple[int, ...]:
-        """A list of whole numbers; empty where it is missing."""
+        """A list of whole numbers; empty if the field is missing."""
         values: list[Any] = self.take(name, list, [])
         if not all(isinstance(value, int) and not isinstance(value, bool) for value in values):
             raise VibeError(f"{self.place}.{name} holds something else than whole numbers.", "Write [1, 2].")
         return tuple(values)
 
     def color(self, code: str) -> tuple[float, ...]:
-        """A color of "#rrggbb"."""
+        """The sRGB color in [0, 1] of a code "#rrggbb"."""
         if not is_hex(code):
             raise VibeError(f"{self.place}.color is {quoted(code, _SHOWN)}.", 'Write it as "#rrggbb".')
         return srgb_from_hex(code)
 
     def shades(self) -> tuple[tuple[float, float, float, float], ...]:
-        """Changes of a material's own color: lists of four numbers; none where they are missing."""
+        """The field "shades", changes of a material's own color: four numbers each; empty if the field is missing."""
         rows: list[Any] = self.take("shades", list, [])
         if not all(
             isinstance(row, list)
@@ -111,7 +111,7 @@ class JsonFields:
         return tuple((float(a), float(b), float(c), float(d)) for a, b, c, d in rows)
 
     def each(self, name: str, read_text: Callable[[str], T]) -> tuple[T, ...]:
-        """Texts that are read; what is wrong with one of them is said with its place."""
+        """The texts of a field, each read by `read_text`; an error gets the field's place in front of its message."""
         try:
             return tuple(map(read_text, self.texts(name)))
         except VibeError as error:
@@ -119,14 +119,14 @@ class JsonFields:
             raise VibeError(f"{self.place}.{name}: {message}", error.remedy) from error
 
     def end(self) -> None:
-        """VibeError where there are fields that nobody has taken: they would be ignored."""
+        """Raises VibeError if there are fields that nothing has taken: they would be ignored."""
         if unknown := sorted(self.raw.keys() - self._taken):
             problem = f"{self.place} has an unknown field {quoted(unknown[0], _SHOWN)}."
             raise VibeError(problem, f"Known are: {', '.join(sorted(self._taken))}.")
 
 
 def _is_number(value: Any) -> bool:
-    """True if a value is a finite number; an integer may have hundreds of digits."""
+    """True if a value is a number within a float's range; JSON integers may be too large for that."""
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
 
 
@@ -134,14 +134,14 @@ VERSION = 1  # of the format
 _LARGEST, _MOST = 2_000_000, 500  # bytes of a file, and words in it
 _REGIONS: tuple[str, ...] = get_args(Region)
 KINDS = (*(kind for kind in shipped_vocabulary().painted if not kind.startswith("hidden")), "whole")
-"""Kinds of targets of a word: all that a color may be said of, and the image as a whole."""
-ROLES = ("", *NAMED_ROLES, "others")  # lights that may be meant
+"""Kinds of targets that a word may have: all that a color word can describe, and "whole" for the whole image."""
+ROLES = ("", *NAMED_ROLES, "others")  # roles of the lights that a word may describe
 _PICTURED = ("", "times", "plus")  # modes of effects that a reference image may have
 _HELP = "Write a new file with `vibe explain PROMPT --goals`, and change that; docs/reference/goals.md has all fields."
 
 
 def as_json(goals: Goals) -> dict[str, Any]:
-    """Goals as a JSON object: the words, each with what it describes and wishes for, and which wishes gave way."""
+    """Goals as a JSON object: the words, each with its target and its wishes, and which wishes are overridden by which word."""
     wishes = [*goals.wishes, *(each.wish for each in goals.lost)]
     won = {id(each.wish): each.winner.word for each in goals.lost}
     words: dict[int, Attribute] = {id(a): a for a in goals.parsed.attributes}
@@ -162,7 +162,7 @@ def as_json(goals: Goals) -> dict[str, Any]:
 
 
 def _word(attribute: Attribute) -> dict[str, Any]:
-    """A word with what it describes; what is as usual is left out."""
+    """The fields of a word and of its target; most fields with their default value are left out."""
     target = {
         "kind": attribute.kind,
         "region": attribute.region,
@@ -200,17 +200,21 @@ def _wish(wish: Wish, winner: str | None) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class WrittenGoals:
-    """Goals that were read, and are about no scene yet."""
+    """Goals from a file that are not bound to a scene yet."""
 
     prompt: str
-    objects: tuple[PromptObject, ...]  # that the prompt names; the scene's subject for none
+    objects: tuple[PromptObject, ...]  # that the prompt names; if none, the scene's subject is taken
     stays: tuple[str, ...]  # owners of parameters that stay as they are
     wishes: tuple[Wish, ...]
-    attributes: tuple[Attribute, ...]  # all words, also those that wish for nothing themselves: names of rigs
+    attributes: tuple[Attribute, ...]  # all words, also those without wishes, as names of rigs
     holds: bool = False  # whether the rest of the image stays
 
     def within(self, words: SceneDescription) -> Goals:
-        """The goals in a scene: a word for a material or light that it lacks describes the region; of an image it is left out."""
+        """The goals, bound to a scene, with notes on what is missing in it.
+
+        A word for a material or light that the scene lacks describes the whole region or kind. If the wish comes from a reference
+        image and the scene has none of its materials, it is left out.
+        """
         known = {*words.lights, *(f"{GLOW}{name}" for name in words.glows)}
         bound, gone, notes = dict[int, Attribute](), set[int](), list[str]()
         for a in self.attributes:
@@ -232,7 +236,7 @@ class WrittenGoals:
 
 
 def read(path: Path) -> WrittenGoals:
-    """Goals of a file: of goals, or a preset or a report that holds some. Raises VibeError if it cannot be read, or a field is wrong."""
+    """Goals from a file of goals, a preset or a report. Raises VibeError if the file cannot be read, or a field is wrong."""
     try:
         if path.stat().st_size > _LARGEST:
             raise VibeError(f"The goals {path} are larger than {_LARGEST // 1_000_000} MB.", _HELP)
@@ -247,7 +251,7 @@ def read(path: Path) -> WrittenGoals:
 
 
 def from_json(raw: Any) -> WrittenGoals:
-    """Goals of a JSON value. Raises VibeError if a field is missing, unknown or wrong."""
+    """Goals from a parsed JSON value. Raises VibeError if a field is missing, unknown or wrong."""
     goals = JsonFields(raw, "goals")
     if (version := goals.number("version", VERSION)) != VERSION:
         raise VibeError(f"These goals are of version {version:g}; this is version {VERSION}.", _HELP)
@@ -302,7 +306,7 @@ def _read_word(word: JsonFields) -> tuple[Attribute, list[Wish]]:
 
 
 def _read_wish(row: JsonFields, attribute: Attribute) -> Wish:
-    """A wish, checked. One that gave way when the goals were written does so again, unless the winner is gone."""
+    """A checked wish. The field "gave_way_to" is ignored: which wishes are overridden is decided anew."""
     quantity = row.choice("quantity", tuple(quantities().by_name))
     classes = tuple(quantities().by_name[quantity].classes)
     named = row.choice("class", classes) if "class" in row.raw else ""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The exposure of a picture through fog that the words bring: Cycles' air takes most of a sun's light on its long way through it."""
+"""The exposure for fog that words add: Cycles' fog takes most of a sun's light on its long way through the volume."""
 
 import math
 from collections.abc import Callable
@@ -13,16 +13,18 @@ from ..planning.types import Plan
 from .vector import ParameterVector, feasible_ranges, project, start_point
 
 DENSITY, EXPOSURE = "volume/density", "film/exposure"
-_MOST, _AROUND = 5.0, 1.0  # stops: that exposure makes up for, and that the search may go from there
-_LEAST = 0.25  # stops that nobody sees
-_BLACK = 1e-5
+_MOST, _AROUND = 5.0, 1.0  # stops: the largest correction, and how far the search may go from it, up or down
+_LEAST = 0.25  # stops below which nothing is corrected
+_BLACK = 1e-5  # least linear luminance that is counted
 
 
 def exposed_through_air(plan: Plan, vector: ParameterVector, linear: Callable[[Tensor], Tensor]) -> Plan:
-    """The plan, with the exposure to begin with at which its air leaves the picture as light as clear air would.
+    """The plan, with a start for the exposure at which the image through its fog is as light as without fog.
+
+    The plan stays the same if words do not name the fog, if they name the exposure, or if the exposure may not change.
 
     Args:
-        linear: Scene-linear picture (H, W, 3) of a point u (N,).
+        linear: Renders the scene-linear image (H, W, 3) of a point u (N,).
     """
     air, film = plan.get(DENSITY), plan.get(EXPOSURE)
     if not (air and film) or not air.is_named or film.priority is None or film.is_named:
@@ -50,5 +52,5 @@ def exposed_through_air(plan: Plan, vector: ParameterVector, linear: Callable[[T
 
 
 def _lightness(linear: Tensor) -> float:
-    """Mean lightness of a picture, in which a few bright pixels count little: the cube root of its luminance."""
+    """Mean cube root of an image's luminance: a lightness in which a few bright pixels count little."""
     return float(luminance(linear).clamp_min(_BLACK).pow(1 / 3).mean())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The picture of Cycles that a vibe ended with: a further sentence begins with it, and need not ask for another one."""
+"""The Cycles image that a vibe ended with: a further sentence starts with it and needs no new render."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ from ..schema import Values, split_key
 _ROUNDING, _ZERO = (
     1e-4,
     1e-5,
-)  # share of a number that is lost on the way into Blender and back, and what is left of 0
-_BAKED = 0.02  # by how much a picture that Blender bakes may differ from bake to bake
+)  # relative and absolute rounding error of a number on the way into Blender and back
+_BAKED = 0.02  # mean difference, relative to the mean, by which two bakes of an image may differ
 _COMPARED = ("resolution", "pixel_aspect", "camera", "materials", "objects", "volume", "bounces", "unseen")
 
 
 @dataclass(frozen=True)
 class KnownPicture:
-    """A picture of Cycles, and where it was taken."""
+    """A Cycles image, with the scene and the values that it shows."""
 
-    scene: SceneData  # with the lights that the vibe has added; it keeps its mesh, and what follows from that, in memory
+    scene: SceneData  # with the lights that the vibe has added; its mesh stays in memory
     values: Mapping[str, Values]  # of all parameters of the scene
     picture: CyclesPicture
 
     def values_in(self, scene: SceneData) -> dict[str, Values] | None:
-        """The picture's values as they differ from a scene's own: in powers and colors of lights alone.
+        """The values of the image that differ from a scene's own, by key; they are powers and colors of lights alone.
 
-        None where anything else differs, for then the picture does not show the scene.
+        None if anything else differs, for then the image does not show the scene.
         """
         mine, theirs = ({light.name: light for light in each.lights} for each in (self.scene, scene))
         unlit = {name for name in theirs.keys() - mine.keys() if _is_off(name, scene)}
@@ -65,7 +65,7 @@ def _is_off(light: str, scene: SceneData) -> bool:
 
 
 def _is_same_light(one: Light, other: Light) -> bool:
-    """True if lights are the same but for their parameters, and for what follows from these."""
+    """True if two lights differ at most in their parameters and in what depends on them, as position and role."""
     if one.fixed:
         return alike(one, other)
     one, other = (
@@ -76,7 +76,7 @@ def _is_same_light(one: Light, other: Light) -> bool:
 
 
 def alike(one: Any, other: Any) -> bool:
-    """True if records, sequences, pictures or numbers are the same but for rounding."""
+    """True if two dataclasses, mappings, sequences, arrays or numbers are equal up to rounding."""
     if is_dataclass(one):
         return type(one) is type(other) and all(
             alike(getattr(one, field.name), getattr(other, field.name)) for field in fields(one)

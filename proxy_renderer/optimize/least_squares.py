@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One round's inner steps (lines 8 to 15): what is judged at a point, its linear model, and damped Gauss-Newton steps in the box."""
+"""One round's inner steps (lines 8 to 15): assessments of points, their linear model, and damped Gauss-Newton steps in the box."""
 
 from __future__ import annotations
 
@@ -16,31 +16,34 @@ from torch import Tensor
 from ..claims.claim import outside
 from .vector import project
 
-_DAMPING = 1e-3  # curvature of every component: of two equal moves, the shorter one (Levenberg 1944)
-_ITERATIONS, _STILL = 200, 1e-5  # most of a step's search, and the share of all ranges that is no move
-_NOTHING = 1e-3  # noticeable steps of all values together, for a component's whole range, that change nothing
-_TELLING = 2  # values more than components that could do the same, at least, to say that they do
-_TAKEN = 2  # times that slopes are taken in one loop
-_RADIUS, _SMALLEST = 0.35, 0.01  # of the region, as shares of feasible ranges: at first, and at the end
-_GOOD, _BAD = 0.7, 0.2  # shares of the predicted decrease beyond which it grows, and below which it shrinks
-_TINY = 1e-12  # squared length of a move that is none
-_PROGRESS = 1e-3  # a predicted decrease that is not worth a picture
+_DAMPING = 1e-3  # curvature added to each component: of two equally good moves the shorter (Levenberg 1944)
+_ITERATIONS, _STILL = 200, 1e-5  # of `LinearModel.step`: most iterations; largest change at which it ends
+_NOTHING = 1e-3  # noticeable steps, over its whole range, below which a parameter has no effect on the values
+_TELLING = 2  # to compare two parameters, there must be so many more values than components
+_TAKEN = 2  # most times that slopes are computed in one `solve`
+_RADIUS, _SMALLEST = 0.35, 0.01  # trust region's radius in shares of feasible ranges: first; least
+_GOOD, _BAD = 0.7, 0.2  # shares of the predicted decrease above which the region grows, or below shrinks
+_TINY = 1e-12  # least squared length of a move that is divided by
+_PROGRESS = 1e-3  # predicted decrease up to which a step is not worth rendering
 
 
 @dataclass(frozen=True)
 class Assessment:
-    """The judgment of the images of a point."""
+    """The claims' values in the images of a point u, the intervals that are sought, and the other terms of the loss.
+
+    M is the number of all values: a claim has one or several.
+    """
 
     values: Tensor  # (M,) of the claims' measures, in noticeable steps
-    lower: Tensor  # (M,) of the interval that is sought, likewise
-    upper: Tensor  # (M,) likewise
-    claim: Tensor  # (M,) number of the claim that each belongs to, from 0
-    rest: Tensor  # () the loss's other terms
-    picture: Any  # the first shot's
-    finish: Tensor | None = None  # (M,) bool: values of claims about a surface's finish; None if nobody asks
+    lower: Tensor  # (M,) lower ends of the aims, in noticeable steps
+    upper: Tensor  # (M,) upper ends
+    claim: Tensor  # (M,) number, from 0, of the claim that each value belongs to
+    rest: Tensor  # () sum of the loss's other terms
+    picture: Any  # the first shot's image
+    finish: Tensor | None = None  # (M,) bool: whether a claim is about a surface's finish; None if unknown
 
     def misses(self, values: Tensor) -> Tensor:
-        """(claims,) noticeable steps by which values (M,) miss each claim."""
+        """(claims,) noticeable steps by which values (M,) miss each claim's aim."""
         count = int(self.claim.max()) + 1 if len(self.claim) else 0
         squares = outside(values, self.lower, self.upper).square()
         return values.new_zeros(count).index_add(0, self.claim, squares).sqrt()
@@ -51,37 +54,38 @@ class Assessment:
         return weight * float(F.huber_loss(misses, torch.zeros_like(misses), reduction="sum")) + float(rest)
 
     def detached(self) -> Assessment:
-        """The same without gradients."""
+        """The same assessment without gradients."""
         return replace(self, values=self.values.detach(), rest=self.rest.detach())
 
 
 class Slopes(NamedTuple):
-    """The judgment of a point, without gradients, and how its values (M, n) and rest (n,) change by n components of u."""
+    """The assessment of a point, and its derivatives with respect to n components of u."""
 
-    here: Assessment
-    values: Tensor
-    rest: Tensor
+    here: Assessment  # without gradients
+    values: Tensor  # (M, n) derivatives of the values
+    rest: Tensor  # (n,) derivatives of the rest
 
 
 @dataclass(frozen=True)
 class LinearModel:
-    """The loss near a point x."""
+    """Predicts the loss near a point x of n components: the claims' values are linear, the rest is quadratic."""
 
-    here: Assessment  # the judgment of the point
-    slopes: Tensor  # (M, n) of the values
-    rest_slope: Tensor  # (n,) of the rest
+    here: Assessment  # at x
+    slopes: Tensor  # (M, n) derivatives of the values
+    rest_slope: Tensor  # (n,) derivatives of the rest
     stiffness: Tensor  # (n, n) curvature of the rest
     weight: float  # of a noticeable step by which a claim is missed
 
     def loss(self, move: Tensor) -> float:
-        """Predicted at x + move (n,)."""
+        """The predicted loss at x + move (n,)."""
         rest = self.here.rest + self.rest_slope @ move + 0.5 * move @ self.stiffness @ move
         return self.here.loss(self.here.values + self.slopes @ move, rest, self.weight)
 
     def step(self, low: Tensor, high: Tensor) -> Tensor:
         """(n,) the move of least predicted loss within [low, high], by accelerated projected gradients (Nesterov 1983).
 
-        Far misses are weighed down to what Huber's loss has for them, so that one that cannot be satisfied does not rule the others.
+        A claim that is missed by more than one step gets the smaller weight of Huber's loss, so that a claim that cannot be satisfied
+        does not dominate the others.
         """
         far = self.here.misses(self.here.values).clamp_min(1.0)[self.here.claim]
         weights = self.weight / far
@@ -117,7 +121,10 @@ class LinearModel:
         )
 
     def gains(self, move: Tensor, parts: Mapping[str, slice], low: Tensor, high: Tensor) -> dict[str, float]:
-        """By parts: the fall of the loss if its components moved on alone from x + move (n,) within [low, high], by one damped Newton step."""
+        """Part -> the predicted decrease of the loss if its components alone moved on from x + move (n,) within [low, high].
+
+        They move by one damped Newton step. A part is the slice of a parameter's components.
+        """
         values, held = self.here.values + self.slopes @ move, self.stiffness @ move
         far = self.here.misses(values).clamp_min(1.0)[self.here.claim]
         missed = outside(values, self.here.lower, self.here.upper)
@@ -134,7 +141,7 @@ class LinearModel:
         return found
 
     def alike(self, part: slice, other: slice) -> float:
-        """The share of a part's effect on the values that another could have, in [0, 1]; 0 where that cannot be told from so few."""
+        """The share, in [0, 1], of a part's effect on the values that another part can reproduce; 0 if too few values tell."""
         told = (self.slopes != 0).any(1)
         mine, theirs = self.slopes[told, part], self.slopes[told, other]
         length = float(mine.norm())
@@ -144,7 +151,10 @@ class LinearModel:
         return 1.0 - float(rest.norm()) / length
 
     def corrected(self, seen: Assessment, move: Tensor) -> LinearModel:
-        """The model at x, whose nonzero slopes agree with what was seen at x + move (n,), not zero (Broyden 1965, Schubert 1970)."""
+        """The model at x with nonzero slopes changed to agree with the assessment at x + move (Broyden 1965, Schubert 1970).
+
+        The move (n,) is not zero.
+        """
         along = move / move.square().sum()
         moved = (self.slopes != 0) * move  # (M, n)
         missing = seen.values - self.here.values - self.slopes @ move
@@ -162,18 +172,18 @@ class LinearModel:
 
 
 class ClaimObjective(Protocol):
-    """Judges images of u."""
+    """The objective of `solve`: assesses points u, and gives slopes and curvature there."""
 
     claim_weight: float  # of a noticeable step by which a claim is missed
 
     def stiffness(self, chosen: Tensor) -> Tensor:
-        """(n, n) known curvature of the rest by the places of the n chosen components (N,) in their ranges."""
+        """(n, n) curvature of the rest over the places, in [0, 1] of their ranges, of the n components chosen (N,) bool."""
 
     def assess(self, u: Tensor) -> Assessment:
-        """The judgment of u (N,) in [0, 1]."""
+        """The assessment of u (N,) in [0, 1]."""
 
     def slopes(self, u: Tensor, chosen: Tensor) -> Slopes:
-        """The change of the judgment at u (N,) by the n chosen components (N,)."""
+        """The assessment at u (N,), and its derivatives with respect to the n components chosen (N,) bool."""
 
 
 def solve(
@@ -188,14 +198,16 @@ def solve(
 ) -> Descent:
     """Minimizes the objective over the chosen components (N,) by a damped Gauss-Newton method in the box, from u (N,) inside it.
 
-    A claim is a residual, in noticeable steps. Residuals and parameters are few, so such a step is cheap, and worth many gradient
-    steps. The terms of similarity, and the pull to the artist's values, are followed by their gradient. The region that slopes are
-    trusted in is a rectangle (Voglis and Lagaris 2004), for the box is one. Slopes cost more than steps; between the times that
-    they are taken, they are corrected by what the steps show, as in the secant version of Levenberg-Marquardt (Madsen, Nielsen and
-    Tingleff 2004, section 3.5).
+    Residuals are the claims' misses, in noticeable steps. Residuals and parameters are few, so a Gauss-Newton step is cheap, and worth
+    many gradient steps. For the terms of similarity only the gradient is known; the pull to the artist's values has a curvature, too.
+    The trust region is a rectangle (Voglis and Lagaris 2004), for the box is one. Slopes cost more than steps. They are computed
+    rarely, and corrected by the result of each step, as in the secant version of Levenberg-Marquardt (Madsen, Nielsen and Tingleff
+    2004, section 3.5).
 
-    At most so many points are judged after the start; `on_step` is called with (step from 1, loss, picture) after each, and True ends
-    the loop. `first` is the model over shares of the chosen ranges at the start, if there is one already.
+    Args:
+        steps: The most points that are rendered and assessed after the start.
+        on_step: Called with (step from 1, loss, image) after each point; True ends the loop.
+        first: The model at the start, over shares of the chosen ranges, if it is known already.
     """
     if not chosen.any():
         return Descent(u.clone(), 0.0, 0.0)
@@ -242,13 +254,13 @@ def solve(
 
 
 def linearize(objective: ClaimObjective, u: Tensor, chosen: Tensor, span: Tensor) -> LinearModel:
-    """The model at u (N,), over shares of the ranges (n,) of n chosen components (N,)."""
+    """The linear model at u (N,) of the n chosen components (N,); its moves are shares of their ranges `span` (n,)."""
     here, values, rest = objective.slopes(u, chosen)
     return LinearModel(here, values * span, rest * span, objective.stiffness(chosen), objective.claim_weight)
 
 
 def _resized(radius: float, share: float, length: float) -> float:
-    """The region's next radius, after a step of a length that gave this share of the predicted decrease."""
+    """The trust region's next radius, after a step of this length that achieved this share of the predicted decrease."""
     if share < _BAD:
         return 0.4 * length
     return max(radius, min(2.0 * length, 1.0)) if share > _GOOD else radius
@@ -259,14 +271,15 @@ class Descent:
     """The result of the inner steps."""
 
     u: Tensor  # (N,) the point of least loss on the fixed views
-    loss: float  # its loss on them
-    start_loss: float  # the loss of the start on them
-    steps: int = 0  # steps taken, at most T
-    repairs: int = 0  # times that a non-finite loss or gradient was rolled back
-    # at the point: the model of the n components that could move, their numbers, and how far each could go down and up
+    loss: float  # at u
+    start_loss: float  # at the start
+    steps: int = 0  # number of steps, at most T
+    repairs: int = 0  # times that a non-finite loss was rolled back
+    # at u: the model of the n components that could move, their indices (n,), and how far each can still go
+    # down and up (n,), in shares of its range
     known: tuple[LinearModel, Tensor, Tensor, Tensor] | None = None
 
 
 def fixed_views() -> torch.Generator:
-    """The generator of the views that points are compared on."""
+    """A generator with a fixed seed, so that all points are compared on the same random crops of the image."""
     return torch.Generator().manual_seed(12345)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Looks that are shown before the end: what the plan alone gives, at once, and then what the rounds find."""
+"""Looks that are shown before the end: first what the plan alone gives, then the best result of the rounds so far."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,15 +17,15 @@ from .vector import feasible_ranges, project, start_point
 
 @dataclass(frozen=True)
 class EarlyLook:
-    """Values on the way to the result."""
+    """Values before the final result, with their image."""
 
-    values: Mapping[str, tuple[float, ...]]  # key to components, of what differs from the artist's scene
-    display: Tensor | None  # (H, W, 3) their image in [0, 1]; None where it has not been drawn yet
-    words: Mapping[str, bool]  # word to whether the image shows it, of those that claim something measurable
+    values: Mapping[str, tuple[float, ...]]  # key -> components of each value that is not the artist's
+    display: Tensor | None  # (H, W, 3) the image in [0, 1]; None if it is not drawn yet
+    words: Mapping[str, bool]  # word with measurable claims -> whether the image satisfies them
 
 
 class Looks:
-    """Looks of one shot, as loaded. No anchor is asked for: images are corrected by those that were taken anyway; `before` is the artist's."""
+    """Makes early looks of one shot without new Cycles renders; `before` is the proxy's image of the artist's values."""
 
     def __init__(self, shot: ShotState, described: SceneDescription) -> None:
         self._shot, self._described, self._home = shot, described, shot.vector.encode({})
@@ -34,18 +34,21 @@ class Looks:
             self._seen = shot.gbuffer(self._home)
 
     def planned(self, advisor: Advisor) -> tuple[Tensor, Advice]:
-        """Lines 2 to 5 and 7 of Algorithm 1: what the words alone give (N,), and the advice; raises VibeError if no word is known."""
+        """The point u (N,) that the words alone give, and their advice: lines 2 to 5 and 7 of Algorithm 1.
+
+        Raises VibeError if no word is known.
+        """
         vector, home = self._shot.vector, self._home
         advice = self._shot.advised(advisor, home, self._described)
         ranges = feasible_ranges(advice.plan, vector.instances, vector.values(home))
         return project(start_point(vector, advice.plan, home), *vector.bounds(ranges)), advice
 
     def values(self, u: Tensor) -> EarlyLook:
-        """The values of u (N,), without an image."""
+        """The look of u (N,) without an image."""
         return EarlyLook(self._shot.vector.changes(u), None, {})
 
     def drawn(self, u: Tensor, claims: tuple[Claim, ...], shot: ShotState | None = None) -> EarlyLook:
-        """The values of u (N,) with their image; a `shot` has its proxy corrected, None is the plain one."""
+        """The look of u (N,) with its image, drawn by a `shot` whose proxy is corrected; None for the uncorrected proxy."""
         shot = shot or self._shot
         with torch.no_grad():
             display = shot.draw(u).display

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A round's objective: parameters in, images and loss out; and its slopes, in the cheapest of three ways.
+"""A round's objective: from parameters to images and the loss; and its slopes (derivatives), in the cheapest of three ways.
 
-Backward passes: one for each value that claims speak of. Differences: one image for each component, of which little is
-rendered again. Forward: one image for each parameter up to the film, and a backward pass through film and claims alone. Light
-of one color stays light of that color until it is developed, so the components of a color change the channels of an image each
-on their own, and one image serves all three (Curtis, Powell and Reid 1974).
+- Backward: one backward pass for each value of the claims.
+- Differences: one image for each component, of which little is rendered again.
+- Forward: one undeveloped image for each parameter, and backward passes through film and claims alone. Red light stays red until
+  the film develops it, so each component of a color changes one channel of the image alone, and one image serves all three
+  (Curtis, Powell and Reid 1974).
 """
 
 from collections.abc import Callable, Collection, Sequence
@@ -21,18 +22,17 @@ from .least_squares import Assessment, Slopes, fixed_views
 from .shots import ShotState, chosen_values
 from .vector import ParameterVector, start_point
 
-_PICTURES = 5  # images that take as long as a backward pass through one
+_PICTURES = 5  # images that take as long to draw as one backward pass
 
 _NAMED = 0.15
-"""Weight of the pull to where words have the search begin, as to a named color: it is overridden by claims, not by
-similarity alone."""
-_UNNAMED = 100.0  # how much more a color that no word names is kept from other hues: a floor may be lighter, not greener
-_GRAY = 1e-4  # how far the components of a gray may lie apart
-_BETWEEN_GRAYS = 8.0  # the same of a color between grays: darks may be lifted, not tinted
+"""Weight of the pull to a start that words name, as a named color: claims override this pull, similarity alone does not."""
+_UNNAMED = 100.0  # added weight of keeping hue for colors without words: a floor may get lighter, not greener
+_GRAY = 1e-4  # largest difference between the components of a gray, in u
+_BETWEEN_GRAYS = 8.0  # added weight, if both ends of a range are gray: shadows may be lifted, not tinted
 
-_TOGETHER = 32  # backward passes that share their operations: each takes the memory of a pass
-_NEAR = 5.0  # noticeable steps inside of an end of what is sought, from where one step does not lose it
-_STEP = 0.02  # of its range, by which a component is moved: shadows that move are traced anew, and have some grain
+_TOGETHER = 32  # most backward passes in one batch: each needs the memory of a pass
+_NEAR = 5.0  # values farther inside of an aim, in noticeable steps, get no gradients: no step leaves it
+_STEP = 0.02  # share of its range by which a component is moved: large, for moved shadows have some grain
 
 _Judge = Callable[[Sequence[Render], Tensor], Assessment]  # of all shots at a point (N,), differentiable
 
@@ -41,11 +41,11 @@ class RoundObjective:
     """The function that a round minimizes, see `least_squares.ClaimObjective`.
 
     Args:
-        seen: Draws and judges the shots, one or several.
-        plan: Says what is pulled to the artist's value, or to where words have the search begin, and which hues are free.
-        free: Keys that gradients go to; the camera's visibility, say, is not differentiated when the camera is held.
+        seen: The shots, which draw and judge images.
+        plan: Has the starts and weights of the pull to the artist's values or to words' starts, and which hues are free.
+        free: Keys that gradients go to. If the camera is not among them, visibility is not differentiated.
         box: Lower and upper corner of the feasible box, each (N,).
-        differences: Whether slopes are taken by differences.
+        differences: Whether slopes are computed by differences.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class RoundObjective:
         self._span = (upper - lower).clamp_min(1e-9)
         self._moves = self._moves_camera(self.free)
 
-        # The pull home, by component: where to, and its weight in [0, 1], 0 where words name a range
+        # Each component's pull home: the point, and the weight in [0, 1], which is 0 if words name a range
         artist = vector.encode({})
         self._home = start_point(vector, plan, artist)
         self._pull = torch.zeros_like(artist)
@@ -98,11 +98,11 @@ class RoundObjective:
         return self.seen[shot].draw(u, self.free)
 
     def assess(self, u: Tensor) -> Assessment:
-        """The judgment of the images of all shots at u (N,), differentiable in the free keys."""
+        """The assessment of the images of all shots at u (N,), differentiable in the free keys."""
         return self.judge([self.render(u, shot) for shot in range(self.shots)], u)
 
     def judge(self, pictures: Sequence[Render], u: Tensor) -> Assessment:
-        """The judgment of given images, one for each shot, at u (N,)."""
+        """The assessment of u (N,) from its images, one for each shot, which are given."""
         similar = [
             term
             for n, picture in enumerate(pictures)
@@ -120,7 +120,7 @@ class RoundObjective:
         return Assessment(values, lower, upper, claim, rest, pictures[0], finish)
 
     def account(self, u: Tensor) -> dict[str, dict[str, float]]:
-        """{"terms": term -> weighted value at u (N,), as means over the shots}."""
+        """{"terms": {term: its weighted value at u (N,), as a mean over the shots}}, for the report."""
         terms = []
         for number, shot in enumerate(self.seen):
             with torch.no_grad():
@@ -129,7 +129,7 @@ class RoundObjective:
         return {"terms": {name: round(sum(row[name] for row in terms) / len(terms), 4) for name in terms[0]}}
 
     def terms(self, picture: Render, generator: torch.Generator, shot: int) -> dict[str, Tensor]:
-        """The weighted terms of an image of a shot (from 0), differentiable in it."""
+        """The weighted terms of the loss for an image of a shot (from 0), differentiable in the image."""
         terms = self._similar(picture, generator, shot)
         if self.claim_weight and (residuals := self.seen[shot].residuals(picture)):
             terms["claims"] = self.claim_weight * claims_loss(residuals)
@@ -144,14 +144,14 @@ class RoundObjective:
         return terms
 
     def held(self, u: Tensor) -> Tensor:
-        """() the pull home at u (N,), and that of a color's components to each other."""
+        """() the terms of the pull home at u (N,), and of the pull of a color's components to one place, which keeps its hue."""
         where, home = ((x - self._box[0]) / self._span for x in (u, self._home))
         prior = prior_loss(where, home.clamp(0.0, 1.0), self._pull)
         hue = hue_consistency_loss(where, self._colors, self._hued)
         return self._weights.prior * prior + self._weights.hue * hue
 
     def stiffness(self, chosen: Tensor) -> Tensor:
-        """(n, n) curvature of `held` by the places of the n chosen components (N,) in their ranges; a scene may have thousands."""
+        """(n, n) curvature of `held` over the places, in [0, 1] of their ranges, of the n chosen components (N,) bool."""
         prior = 2.0 * self._weights.prior * torch.diag(self._pull[chosen])
         rest, places = torch.zeros_like(self._pull), chosen.nonzero(as_tuple=True)
 
@@ -162,17 +162,20 @@ class RoundObjective:
         return prior + self._weights.hue * hue
 
     def slopes(self, u: Tensor, chosen: Tensor) -> Slopes:
-        """Slopes at u (N,) over the n chosen components (N,). Supports may not fake a finish: a darker room is not a duller sofa."""
+        """Slopes at u (N,) over the n chosen components (N,) bool.
+
+        Supporting parameters have slope 0 for claims about a finish, so that they do not fake it: a darker room is no duller sofa.
+        """
         found = self._slopes(u, chosen)
         assert found.here.finish is not None
         faked = found.here.finish[:, None] & self._supports[chosen]
         return found._replace(values=found.values.masked_fill(faked, 0.0))
 
     def _slopes(self, u: Tensor, chosen: Tensor) -> Slopes:
-        """Slopes by the cheapest way.
+        """Slopes, computed in the cheapest way.
 
-        An image that is judged by hundreds of values is dear to go through backward hundreds of times, even through the film
-        alone. A camera that moves sees other objects: only backward passes know what that does to outlines.
+        A reference image has hundreds of values. Backward passes for all are expensive, even through the film alone, so differences
+        are used. A camera that moves sees other objects: only backward passes through the renderer differentiate outlines.
         """
         if self._differences:
             stride = self.vector.strides(u)
@@ -201,17 +204,17 @@ def backward_slopes(assess: Callable[[Tensor], Assessment], u: Tensor, chosen: T
 
 
 def gradients(found: Assessment, leaves: Sequence[Tensor], together: bool = False) -> list[Tensor]:
-    """For each of the leaves, (M + 1, ...) the gradients of the M values, and of the rest.
+    """For each leaf, (M + 1, ...) the gradients of the M values and, last, of the rest.
 
-    They are 0 for values that no step could bring out of what is sought. Passes `together` share their operations: as many of a
-    card's kernels for all as for one.
+    They are 0 for values so far inside of their aims that no step leads out. If `together`, backward passes run in batches, which
+    need no more kernel launches on a GPU than one pass.
     """
     near_end = (found.values < found.lower + _NEAR) | (found.values > found.upper - _NEAR)
     rows = [*found.values.unbind(), found.rest]
     needed = [i for i, near in enumerate(near_end.tolist()) if near and rows[i].requires_grad]
     size = _TOGETHER if together else 1
     passes = [needed[i : i + size] for i in range(0, len(needed), size)]
-    if found.rest.requires_grad:  # an encoder's passes share nothing
+    if found.rest.requires_grad:  # a pass through an encoder is in no batch
         passes.append([len(rows) - 1])
     slopes = [leaf.new_zeros((len(rows), *leaf.shape)) for leaf in leaves]
     for some in passes:
@@ -231,7 +234,7 @@ def gradients(found: Assessment, leaves: Sequence[Tensor], together: bool = Fals
 def difference_slopes(
     assess: Callable[[Tensor], Assessment], u: Tensor, chosen: Tensor, strides: Tensor
 ) -> Slopes:
-    """Slopes at u (N,) over the chosen components (N,), by a stride (N,) in each of them."""
+    """Slopes at u (N,) over the chosen components (N,) bool, by the difference along a stride (N,) in each of them."""
     here = assess(u)
     columns, rest = [], []
     for i in chosen.nonzero()[:, 0]:
@@ -244,13 +247,13 @@ def difference_slopes(
 
 
 class Neighbors:
-    """The points that lie one stride (N,) from another (N,) in one component; lights that move leave no trace."""
+    """Assesses a point u (N,) and the points that differ from it by a stride (N,) in one component, with shared ray tracing."""
 
     def __init__(self, seen: Sequence[ShotState], judge: _Judge, u: Tensor, strides: Tensor) -> None:
         self._shots, self._judge = [_ShotNeighbors(shot, u, strides) for shot in seen], judge
 
     def assess(self, point: Tensor) -> Assessment:
-        """The judgment of the point itself, or of one of its neighbors (N,)."""
+        """The assessment of the point u itself, or of one of its neighbors (N,)."""
         return self._judge([shot.picture(point) for shot in self._shots], point)
 
 
@@ -279,7 +282,10 @@ class _ShotNeighbors:
         return self._proxy.develop(latent, self._values(point))
 
     def _exposed(self, key: str, part: slice, components: Tensor) -> LatentImage:
-        """The undeveloped image where some components (bool) of a key are moved."""
+        """The undeveloped image with some components (C,) bool of a key moved by their strides.
+
+        If the key is a color, all its components are moved in one image, and each changes one channel of the result.
+        """
         if self._last is None or self._last[0] != key:
             there = self._u.clone()
             there[part] = self._moved[part]
@@ -301,7 +307,7 @@ def pictures_for(seen: Sequence[ShotState], keys: set[str]) -> int:
 def forward_slopes(
     seen: Sequence[ShotState], judge: _Judge, u: Tensor, chosen: Tensor, box: tuple[Tensor, Tensor]
 ) -> Slopes:
-    """Slopes at u (N,) over the chosen components (N,) in the box, forward through the scene, where no camera moves."""
+    """Slopes at u (N,) over the chosen components (N,) bool in the box, forward through the scene; not for camera parameters."""
     point = u.detach().clone().requires_grad_()
     span = box[1] - box[0]
     move = torch.where(chosen, torch.where(u + _STEP * span > box[1], -_STEP, _STEP) * span, 0.0)
@@ -317,7 +323,7 @@ def forward_slopes(
 
 
 class _ForwardShot:
-    """The images of a shot near a point (N,), over the chosen components (N,)."""
+    """The images of a shot near a point u (N,), along the chosen components (N,) bool."""
 
     def __init__(self, shot: ShotState, u: Tensor, chosen: Tensor) -> None:
         self._shot, self._u, self._proxy = shot, u, shot.corrected
@@ -328,11 +334,11 @@ class _ForwardShot:
         with torch.no_grad():
             self._cache = self._proxy.traced(self._values)
             self._here = self._proxy.expose(self._values, self._cache)
-        # the undeveloped image at the point, as far as parameters change it: gradients go there
+        # the fields of the undeveloped image at u that parameters change: gradients end there
         self.leaves = [field.clone().requires_grad_() for field in _fields(self._here)]
 
     def picture(self, point: Tensor) -> Render:
-        """The image of the point (N,), differentiable in the leaves and in the film's values."""
+        """The image of the point u (N,), differentiable in the leaves and in the film's values."""
         linear, transmittance, *alpha = self.leaves
         latent = replace(
             self._here, linear=linear, transmittance=transmittance, alpha=alpha[0] if alpha else None
@@ -341,7 +347,12 @@ class _ForwardShot:
         return self._proxy.develop(latent, values)
 
     def add(self, slopes: Tensor, gradients: Sequence[Tensor], move: Tensor) -> None:
-        """Adds the effects of moves (N,) of the scene's parameters to slopes (M + 1, N), from gradients (M + 1, ...) of the leaves."""
+        """Adds the slopes of the scene's parameters to slopes (M + 1, N), in place.
+
+        Args:
+            gradients: For each leaf (M + 1, ...) the gradients of the values and of the rest.
+            move: (N,) by which each component is moved to see how the leaves change.
+        """
         moved = self._shot.vector.along(self._u, move)
         for key in sorted(self._scene):
             part = self._shot.vector.slices[key]
@@ -358,7 +369,7 @@ class _ForwardShot:
 
 
 def _fields(latent: LatentImage) -> list[Tensor]:
-    """The parts of an undeveloped image that the scene's parameters change while the camera stands still."""
+    """The fields of an undeveloped image that the scene's parameters change while the camera stands still."""
     fields = latent.linear, latent.transmittance, latent.alpha
     return [field for field in fields if field is not None]
 

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a prompt and exported scenes to values: Algorithm 1 of the paper, from each start. Comments name its lines; its θ is u.
 
-Each round ends with a picture of Cycles. There is no other round when it shows all that the words claim. A round that ended
-farther from them than an earlier one is taken back, and the next has the plan's own ranges again, or may go half as far. One
-that came hardly nearer was the last. The best end of all is the result, with least change.
+Each round ends with a Cycles image. The rounds end when the image satisfies all claims of the words, or when a round has come
+hardly nearer to them. If a round ends farther from the claims than an earlier one, the next starts from the best end so far, with
+the plan's own ranges or with half the reach. The result is the best end of all rounds, with supporting parameters moved back toward
+the artist's values as far as the claims allow.
 """
 
 from __future__ import annotations
@@ -33,25 +34,24 @@ from .vector import ParameterVector
 CONVERGED = 0.005  # a round, other than the first, that lowers the loss by a smaller share is the last one
 
 OPENING, WIDEST = 0.5, 1.0
-"""Share of their ranges by which the ranges of a round are wider on either side than those of the one before, while
-claims are missed; and the most that it comes to."""
+"""Share of a range by which it opens at both ends in each further round while claims are missed; the largest sum of these."""
 
-PATIENCE = 2  # rounds that come no nearer to the words' claims, of which the second is the last
+PATIENCE = 2  # number of rounds in a row that come no nearer to the words' claims, after which the loop ends
 
 WORTH, WORTH_LIKE = 0.1, 0.05
-"""A round that satisfies no further claim, and comes nearer to them by a smaller share, is the last: an artist sees no difference.
-For a reference image of the same scene the share is smaller: its places are many, and all of them together are seen."""
+"""Share of the distance from the claims. A round that satisfies no further claim and reduces the distance by a smaller share is the
+last: an artist sees no difference. The second is for a reference image of the same scene, whose many places add up."""
 
-_FAR = 0.05  # of a component's whole range: what has moved less is not worth a picture of Cycles
-_KEPT = (0.0, 0.25, 0.5, 0.75)  # shares of its way that a support may keep, the least first
-_SAME = 0.1  # noticeable steps by which a claim may be farther from what is sought
+_FAR = 0.05  # share of a component's whole range: smaller moves are not worth a Cycles image to take back
+_KEPT = (0.0, 0.25, 0.5, 0.75)  # shares of their moves that supporting parameters keep, tried in this order
+_SAME = 0.1  # noticeable steps by which a claim's distance from its aim may grow when they move back
 
 
 def run(search: Search) -> Outcome:
     """Finds the values that make the scene, or several shots of one look, look like the prompt.
 
-    The same options give the same values, bit for bit, on a CPU. All outcomes are in the `variants` of that of least loss, where
-    several are asked for. Raises VibeError if no word of the prompt is known, or nothing that the words touch may change.
+    On a CPU the same options give the same values, bit for bit. If several variants are asked for, all outcomes are in `variants` of
+    the one with the least loss. Raises VibeError if no word of the prompt is known, or nothing that the words touch may change.
     """
     search.show_plan()
     outcomes = []
@@ -74,7 +74,7 @@ def refine(search: Search, start: Start) -> Outcome:
         chosen = search.select(now, now.u)  # 6: the update set S_K
         descent = search.descend(now, chosen)  # 8 to 15: T inner steps on S_K
         seconds = time.monotonic() - began
-        # 16: the next θ is where the steps have led to, as Cycles has it
+        # 16: the next θ is the end of the steps, of which Cycles renders an image
         ends.append(RoundEnd.seen(search, now, chosen, descent, seconds))
         if start.drawn is None and nearest(ends) is ends[-1]:
             search.show(ends[-1].shots, ends[-1].u)
@@ -87,42 +87,42 @@ class Outcome:
     """The result of a vibe."""
 
     vector: ParameterVector  # the parameters of u
-    u: Tensor  # (N,) the best point that a round ended at; see `ParameterVector.values`
-    plan: Plan  # that round's plan
-    ranges: dict[str, tuple[Values, Values]]  # key -> that round's (lower, upper), as in `Confined`
-    optimized: set[str]  # keys that some round optimized
+    u: Tensor  # (N,) the best end of a round; see `ParameterVector.values`
+    plan: Plan  # of the best round
+    ranges: dict[str, tuple[Values, Values]]  # key -> (lower, upper) in the best round, as in `Confined`
+    optimized: set[str]  # keys that any round optimized
     goals: Goals  # the words' wishes
     prompts: Prompts  # the encoder's captions
     claims: tuple[Claim, ...]  # of words and reference image
     shots: Sequence[ShotState]  # with their proxies corrected at u
-    loss: float  # at u, when its round ended
-    # one record per round: parameters, loss at start and end, its terms, how far its end was from the words' claims,
-    # steps, seconds
+    loss: float  # at u, at the end of its round
+    # one record per round: parameters, loss at start and end, its terms, the end's distance from the words'
+    # claims, steps, seconds
     rounds: list[dict[str, Any]]
     descent: Descent | None = None  # of the round that ended at u
     reference: Reference | None = None  # the image that replaces words, or adds to them
     stopped: bool = False  # whether the observer ended the loop
-    variants: list[Outcome] = field(default_factory=list)  # all, if several were asked for; least loss first
+    variants: list[Outcome] = field(default_factory=list)  # all outcomes if there are several, best first
 
 
 @dataclass(frozen=True)
 class RoundEnd:
-    """The end of a round, as Cycles has it."""
+    """The end of a round, with the shots corrected by its Cycles image."""
 
     u: Tensor  # (N,) the point
-    shots: Sequence[ShotState]  # with their proxies corrected there
-    missed: Missed  # distance of its images from the words' claims
-    loss: float  # at the point, before that correction
+    shots: Sequence[ShotState]  # with their proxies corrected at u
+    missed: Missed  # distance of the corrected images from the words' claims
+    loss: float  # at u, before the correction
     confined: Confined  # the round's plan and ranges
     record: dict[str, Any]  # for the report, see `Outcome.rounds`
     settled: bool  # whether the steps have hardly lowered the loss
-    descent: Descent
+    descent: Descent  # the result of the inner steps
 
     @classmethod
     def seen(
         cls, search: Search, now: Confined, chosen: Selection, descent: Descent, seconds: float
     ) -> RoundEnd:
-        """The end of a round at the point that its steps have led to, of which Cycles renders a picture."""
+        """The end of a round at the point where its steps ended, of which Cycles renders an image."""
         record = {
             "parameters": chosen.keys,
             "shared": chosen.shared,
@@ -141,12 +141,12 @@ class RoundEnd:
 
 
 def nearest(ends: Sequence[RoundEnd]) -> RoundEnd:
-    """The end that shows most of the words' claims; of equals the last."""
+    """The end nearest to the words' claims; of equally near ends the last."""
     return min(reversed(ends), key=lambda end: end.missed)
 
 
 def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
-    """The round that follows the last one; None where that was the last."""
+    """The round that follows the last of these ends; None if no further round is worth it, or none is left."""
     last, best = ends[-1], nearest(ends)
     here = last.confined.here
     share, opening = here.share, here.opening
@@ -156,7 +156,7 @@ def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
     if (has_claims and not last.missed.claims) or is_stuck(search, ends):
         return None
 
-    # Ranges open while claims are missed; those of a round that went astray in wider ones are the plan's again.
+    # Ranges open while claims are missed. If wider ranges led astray, the plan's own ranges return.
     astray = best is not last
     too_wide = astray and opening > 0.0
     if has_claims and here.start.drawn is None:
@@ -167,7 +167,7 @@ def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
 
 
 def is_stuck(search: Search, ends: Sequence[RoundEnd]) -> bool:
-    """True if another round is worth nothing."""
+    """True if another round is not worth its time, see `CONVERGED`, `PATIENCE` and `WORTH`."""
     if len(ends) == 1:
         return False
     last, best, before = ends[-1], nearest(ends), nearest(ends[:-1]).missed
@@ -184,7 +184,7 @@ def claims_words(shots: Sequence[ShotState]) -> bool:
 
 
 def least_change(search: Search, ends: Sequence[RoundEnd]) -> RoundEnd:
-    """The best end; with least change, if that satisfies as many claims, which Cycles has to confirm."""
+    """The best end, with supporting parameters moved back, see `eased`, if a Cycles image confirms that no more claims are missed."""
     best = nearest(ends)
     if not claims_words(best.shots) or best.confined.here.start.drawn is not None or search.clock.stopped:
         return best
@@ -199,14 +199,18 @@ def least_change(search: Search, ends: Sequence[RoundEnd]) -> RoundEnd:
 
 
 def eased(search: Search, shots: Sequence[ShotState], plan: Plan, u: Tensor) -> Tensor | None:
-    """A point with supports as near to the artist's values as the proxy's images allow.
+    """A point whose supporting parameters are as near to the artist's values as the claims allow, by the proxy's images.
 
-    A round steps at once to where all claims are satisfied, and often past it: a dark car may need a little more light to be
-    told from its floor, and gets a white floor in glaring light, for nothing that is claimed speaks against that.
+    A round's steps may move them farther than the claims need. A dark car may need a little more light to be told from its floor,
+    and gets a white floor in glaring light, because no claim contradicts that.
 
-    At u (N,) the shots are corrected; another point shows each claim as well. None if nothing is gained.
+    Args:
+        u: (N,) the point to start from, at which the shots are corrected.
+
+    Returns:
+        (N,) a point at which no claim is noticeably farther from its aim; None if nothing is gained.
     """
-    if search.pictured:  # of which all values are free alike
+    if search.pictured:  # with a reference image all values may move freely
         return None
     vector = search.vector
     supports = vector.mark(key for key, e in plan.items() if e.priority is not None and e.prior > 0.0)
@@ -219,7 +223,7 @@ def eased(search: Search, shots: Sequence[ShotState], plan: Plan, u: Tensor) -> 
 
 
 def _distances(shots: Sequence[ShotState], u: Tensor) -> Tensor:
-    """(C,) noticeable steps between the images of u (N,) and what is sought of each claim, which lies inside of what satisfies it."""
+    """(C,) noticeable steps by which the images of u (N,) miss each claim's aim, see `Claim.aim`; the first is always 0."""
     found = [torch.zeros(())]
     with torch.no_grad():
         for shot in shots:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The observer of the loop, and the time that is left."""
+"""The observer of the loop, and the clock that estimates the time that is left."""
 
 from __future__ import annotations
 
@@ -16,35 +16,38 @@ if TYPE_CHECKING:
     from .looks import EarlyLook
 
 BEFORE, PREVIEW = "before.png", "preview.png"
-"""Names in the job folder: of the picture of the artist's own values, and of the newest look's."""
+"""File names in the job folder: of the image of the artist's own values, and of the image of the newest look."""
 
 
 class Observer(Protocol):
     """Follows the loop."""
 
-    wants_looks: bool  # whether looks are shown before the end, see `looks`
+    wants_looks: bool  # whether it shows looks before the end, see `looks`
 
     def stage(self, name: str) -> None:
         """Something other than a step begins."""
 
     def begin(self, display: Tensor, lit: bool) -> None:
-        """The loop begins; display (H, W, 3) in [0, 1] shows the artist's values: black, also with the words, if not `lit`."""
+        """The loop begins with display (H, W, 3) in [0, 1], the image of the artist's values.
+
+        If not `lit`, this image and the image of the words' first values are both black.
+        """
 
     def look(self, look: EarlyLook) -> None:
-        """There is a look, or a better one; its image may come a moment later."""
+        """A first or a better look is found; the same look may follow again with its image."""
 
     def step(self, progress: Progress, display: Tensor) -> bool:
-        """A step is done, whose values look like display (H, W, 3) in [0, 1]; True ends the loop with the best so far."""
+        """A step is done, and display (H, W, 3) in [0, 1] is its image. True ends the loop with the best result so far."""
 
     def stopped(self) -> bool:
-        """True to end the loop with the best so far: work that takes long outside of steps asks this."""
+        """True to end the loop with the best result so far; asked during long work outside of steps."""
 
     def ask(self, request: Anchor) -> Anchored | None:
-        """Blender's answer; None if there is none, or the loop should end."""
+        """Blender's answer to a request for a Cycles image; None if there is none, or the loop should end."""
 
 
 class Clock:
-    """Turns steps into progress messages; `stopped` once the observer has asked for the end."""
+    """Turns steps into progress messages with the time left; `stopped` is True once the observer has asked for the end."""
 
     def __init__(self, rounds: int, steps: int, observer: Observer) -> None:
         self._rounds, self._most, self._observer = rounds, steps, observer
@@ -52,7 +55,10 @@ class Clock:
         self.stopped = False
 
     def follow(self, number: int) -> Callable[[int, float, Render], bool]:
-        """The callback for the inner steps of a round, from 0: takes (step from 1, loss, picture), and returns whether the loop should end."""
+        """The callback for the inner steps of a round, whose `number` counts from 0.
+
+        It takes (step from 1, loss, image), and returns True if the loop should end.
+        """
         rounds, steps = self._rounds, self._most
         last = time.monotonic()
 

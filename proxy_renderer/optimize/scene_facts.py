@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Facts of a scene that plans need: what it looks like, what the camera sees of it, and how much room its lights have."""
+"""Facts about a scene that plans need: its image, what the camera sees, and how much room its lights have."""
 
 import math
 from dataclasses import replace
@@ -23,14 +23,19 @@ from ..schema import Values
 from ..schema.parameters import Region
 from ..words.types import LightDescription, PictureStats, SceneDescription
 
-_GRID = 64  # rays along each side of the picture
-_KEPT = 0.8  # share of the way to a surface up to which a light may grow
+_GRID = 64  # rays along each side of the image
+_KEPT = 0.8  # share of the distance to the nearest surface up to which a light may grow
 
 
 def described_now(
     known: SceneDescription, proxy: Proxy, values: dict[str, Values], picture: Render | None
 ) -> SceneDescription:
-    """A scene with its current values by key in schema units, the lights and the backdrop that it got, and the proxy's image of them."""
+    """A scene's description, updated to its current values, its added lights and backdrop, and the proxy's image of them.
+
+    Args:
+        known: The description before any change.
+        values: Key -> value in schema units.
+    """
     scene = proxy.scene
     world, materials = _coverage(proxy, values)
     backdrop = scene.world.image if scene.world.backdrop is None else scene.world.backdrop
@@ -47,7 +52,7 @@ def described_now(
 
 
 def light_descriptions(scene: SceneData, added: bool) -> dict[str, LightDescription]:
-    """The lights of a scene that the words have added, or its own."""
+    """Name -> description of the lights that the words have added to a scene, or else of its own lights."""
     found = {}
     for light in (light for light in scene.lights if light.added == added):
         orbit, camera = f"light/{light.name}/azimuth", "camera/azimuth"
@@ -58,7 +63,7 @@ def light_descriptions(scene: SceneData, added: bool) -> dict[str, LightDescript
 
 
 def mean_luminance(image: np.ndarray | None) -> float:
-    """Mean luminance over the sphere of a linked environment; 0.5, which says nothing, without one."""
+    """Mean luminance over the sphere of an environment image; 0.5 as a neutral value without one."""
     return 0.5 if image is None else arrays.sphere_luminance(image)
 
 
@@ -75,7 +80,7 @@ def _picture_stats(picture: Render) -> PictureStats:
 
 
 def _coverage(proxy: Proxy, values: dict[str, Values]) -> tuple[float | None, dict[str, float]]:
-    """The world's share of the surroundings (None if there are none), and each material's share of its region, as the camera sees them."""
+    """Shares of the camera's view: the world's of the surroundings (None if there are none), and each material's of its region."""
     scene, geometry = proxy.scene, proxy.geometry
     cameras = {k: torch.tensor(v) for k, v in values.items() if k.startswith("camera/")}
     view = view_of(scene, RenderValues(scene, cameras, geometry.device), (_GRID, _GRID))
@@ -96,7 +101,7 @@ def _coverage(proxy: Proxy, values: dict[str, Values]) -> tuple[float | None, di
 
 @torch.no_grad()
 def light_sizes(scene: SceneData, geometry: RayGeometry) -> dict[str, float]:
-    """Key of a light's size -> the size in meters at which it meets a surface where it stands; no less than it has."""
+    """Key of a light's size -> the size in meters at which the light nearly touches a surface; at least its present size."""
     widest: dict[str, float] = {}
     for source in light_sources(scene, RenderValues(scene, {}, geometry.device)):
         key = f"light/{source.light.name}/size"
@@ -112,7 +117,7 @@ def light_sizes(scene: SceneData, geometry: RayGeometry) -> dict[str, float]:
 
 
 def _arms(source: LightSource) -> Tensor:
-    """(3, n) from the middle of a light to its outline."""
+    """(3, n) vectors from the middle of a light to points of its outline, in meters."""
     if isinstance(source, AreaLight):
         u, v = source.half_axes()
         half = torch.cat((u, v, u + v, u - v), 1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The scene as words may mean it: its names, where objects stand in the image, and how materials look before any wish."""
+"""The scene that words refer to: names of objects, materials and lights, structures such as walls, and present looks."""
 
 import weakref
 from collections.abc import Iterator
@@ -24,19 +24,19 @@ from ..words.types import LightDescription, MaterialLook, SceneDescription
 from .scene_facts import light_descriptions, mean_luminance
 
 _SIDE = 64  # rays along each side of the image
-_SKY = 0.05  # share of what surrounds the subject from which the sky is seen
+_SKY = 0.05  # share of the surroundings that the sky has to fill to count as visible
 _GLOWS = 0.05  # radiance from which a surface glows
-_CLIPPED = 4.0  # times what the display shows at most: the strongest glow whose color counts
-# |z| of normals: above it level, below it upright, above it part of a roof
+_CLIPPED = 4.0  # largest component of a glow that counts: a stronger glow looks no paler
+# z of normals: level surfaces have more, upright ones less (absolute), parts of a roof more
 _LEVEL, _UPRIGHT, _SLOPED = 0.9, 0.25, 0.2
-_FLAT = 0.15  # how much the slope of a roof varies at most
-_MOST, _SOME = 0.75, 0.5  # share of a material's surface that has to be so
-_LEAST = 0.02  # share of the image of a structure
-_CLEAR = 2.0  # how many times larger than the second a structure has to be
-_ALONE = 0.9  # share of the level surfaces around the subject that are its only ground
-_NEAR = 0.08  # of the scene's height: two levels within it are one
-_WALL = 0.4  # least share of a wall among several, of the largest one's
-_TALL, _HIGH = 0.4, 0.6  # of the scene's height: least height of walls, and where roofs begin
+_FLAT = 0.15  # largest standard deviation of z over a roof
+_MOST, _SOME = 0.75, 0.5  # share of a material's pixels that have to fit: for most structures; for some
+_LEAST = 0.02  # least share of the image that a structure fills
+_CLEAR = 2.0  # how many times larger than the second candidate a structure has to be
+_ALONE = 0.9  # share of the level pixels around the subject above which the ground is also its support
+_NEAR = 0.08  # share of the scene's height within which two heights count as one
+_WALL = 0.4  # least size of one of several walls, relative to the largest
+_TALL, _HIGH = 0.4, 0.6  # shares of the scene's height: least height of a wall; height at which roofs begin
 
 
 def described(*scenes: SceneData) -> SceneDescription:
@@ -46,7 +46,7 @@ def described(*scenes: SceneData) -> SceneDescription:
     worn: dict[str, list[str]] = {}
     lights: dict[str, LightDescription] = {}
     for scene in scenes:
-        # lights that the words have added are no names that the prompt may mean: it is read as before they were there
+        # Lights that the words have added are left out: the prompt is read as if they were not there.
         lights |= light_descriptions(scene, added=False)
         objects |= {o.name: "subject" if o.subject else "surroundings" for o in scene.objects}
         materials |= {m.name: "subject" if m.role == "subject" else "surroundings" for m in scene.materials}
@@ -56,7 +56,7 @@ def described(*scenes: SceneData) -> SceneDescription:
             names = worn.setdefault(scene.objects[o].name, [])
             names += [scene.materials[m].name] * (scene.materials[m].name not in names)
     looks = present_looks(scenes[0]) if scenes else {}
-    dark = {name for name, look in looks.items() if not look.glows}  # with a strength, but a black color
+    dark = {name for name, look in looks.items() if not look.glows}  # emitters with a black color among them
     subjects = [name for name, region in objects.items() if region == "subject"]
     return SceneDescription(
         subject=subjects[0] if len(subjects) == 1 else "",
@@ -81,7 +81,7 @@ def described(*scenes: SceneData) -> SceneDescription:
 
 
 def sees_sky(scene: SceneData) -> bool:
-    """True if the camera sees the world, and not only surfaces."""
+    """True if the camera sees the world in at least 5 % of the surroundings."""
     rays = _rays(scene)
     subjects = np.array([o.subject for o in scene.objects], bool)
     around = rays.count - int(subjects[rays.object].sum())
@@ -90,17 +90,17 @@ def sees_sky(scene: SceneData) -> bool:
 
 @dataclass(frozen=True)
 class _Rays:
-    """Hits of a coarse grid of rays from the camera, and the number of all rays."""
+    """The n hits of a coarse grid of rays from the camera."""
 
-    count: int
-    material: np.ndarray
-    object: np.ndarray
-    height: np.ndarray
-    slope: np.ndarray  # z of the normal that faces the camera
+    count: int  # number of all rays, hits or not
+    material: np.ndarray  # (n,) number of the material that is hit
+    object: np.ndarray  # (n,) number of the object
+    height: np.ndarray  # (n,) z of the hit, meters
+    slope: np.ndarray  # (n,) z of the unit normal that faces the camera
 
 
 _met: weakref.WeakKeyDictionary[SceneMesh, tuple[Path, _Rays]] = weakref.WeakKeyDictionary()
-"""Of each mesh in use: the last job with it, and its camera's rays."""
+"""Mesh in use -> folder of the last job with this mesh, and the rays of the job's camera."""
 
 
 def present_looks(scene: SceneData) -> dict[str, MaterialLook]:
@@ -123,7 +123,7 @@ def present_looks(scene: SceneData) -> dict[str, MaterialLook]:
 
 
 def _rays(scene: SceneData) -> _Rays:
-    """Rays of a scene; those of its job are traced once, as a tree takes longer than the reading of a prompt."""
+    """Rays of a scene. They are traced once for each job: for a tree this takes longer than reading a prompt."""
     job, rays = _met.get(scene.mesh, (None, None))
     if rays is None or job != scene.folder:
         rays = _traced(scene)
@@ -148,7 +148,7 @@ def _traced(scene: SceneData) -> _Rays:
 
 
 def _glow(scene: SceneData, material: Material) -> Values | None:
-    """The color of a glow, as bright as can be; None without one."""
+    """The sRGB color with which a material's glow is displayed, clipped to 1; None if it does not glow."""
     strength = float(np.mean(scene.value(f"material/{material.name}/emission", 0.0)))
     computed = material.maps.get("emission_color")
     emitted = (
@@ -159,13 +159,13 @@ def _glow(scene: SceneData, material: Material) -> Values | None:
     brightest = max(emitted)
     if strength * brightest < _GLOWS:
         return None
-    # a strong glow is paler than its color
+    # Clipping makes a strong glow paler than its emission color.
     clipped = max(min(strength * brightest, _CLIPPED), 1.0) / brightest
     return srgb_from_linear([min(clipped * c, 1.0) for c in emitted])
 
 
 def _color(scene: SceneData, material: Material) -> Values | None:
-    """The base color, or the mean of its texture; None where nothing says it."""
+    """The base color of a material in sRGB, or the mean of its tinted texture; None if it is unknown."""
     if material.texture is not None:
         mean = material.texture.image[..., :3].reshape(-1, 3).mean(0)
         tint = scene.value(f"material/{material.name}/tint", (1.0, 1.0, 1.0))
@@ -175,7 +175,7 @@ def _color(scene: SceneData, material: Material) -> Values | None:
 
 
 def _structures(scene: SceneData, rays: _Rays) -> dict[str, int]:
-    """Structure -> index of the only material that is clearly it."""
+    """Structure, as "ground" -> index of its material; only structures for which one material is clearly the largest."""
     if not len(rays.height):
         return {}
     low, tall = _extent(rays.height)
@@ -195,12 +195,12 @@ def _structures(scene: SceneData, rays: _Rays) -> dict[str, int]:
             clear[part] = best
     around = rays.material[(rays.slope > _LEVEL) & ~mine]
     if "ground" in clear and (around == clear["ground"]).sum() > _ALONE * len(around):
-        clear.setdefault("support", clear["ground"])  # nothing else can be the table that people say
+        clear.setdefault("support", clear["ground"])  # nothing else can be the "table" of a prompt
     return clear
 
 
 def _walls(rays: _Rays) -> list[int]:
-    """The materials of several walls."""
+    """Indices of the materials of walls; empty if there is only one."""
     if not len(rays.height):
         return []
     low, tall = _extent(rays.height)
@@ -215,13 +215,17 @@ def _walls(rays: _Rays) -> list[int]:
 
 
 def _extent(height: np.ndarray) -> tuple[float, float]:
-    """Height of the lowest point, and the extent upward, without what sticks out: a hole in the ground is not the ground."""
+    """Lowest height, and extent upward from it, without the lowest 3 % and the highest 1 %: a hole in the ground does not count."""
     low, high = np.quantile(height, (0.03, 0.99))
     return float(low), max(float(high - low), 1e-6)
 
 
 def _parts(height: np.ndarray, slope: np.ndarray, scene: tuple[float, float, float]) -> Iterator[str]:
-    """Structures that a material may be, by the scene's lowest height, its extent upward, and the height the subject stands on."""
+    """Structures that a material may be, from the heights and slopes of its pixels.
+
+    Args:
+        scene: The scene's lowest height, its extent upward, and the height that the subject stands on.
+    """
     low, tall, stands = scene
     level = height[slope > _LEVEL]
     if len(level) > _MOST * len(height) and abs(np.median(level) - low) < _NEAR * tall:

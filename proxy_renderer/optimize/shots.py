@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Shots that share a look: several cameras, frames or scenes, and one vector of values for all of them."""
+"""Shots that share a look: several cameras, frames or scenes with one vector of values for all of them."""
 
 from __future__ import annotations
 
@@ -31,27 +31,27 @@ from .known_picture import KnownPicture, alike
 from .scene_facts import described_now
 from .vector import ParameterVector
 
-SAMPLES = 16
-LONGEST = 30.0  # seconds that a picture may take; after a slower one no more are asked for
-_FAILURES = 2  # in a row, after which no more pictures are asked for
+SAMPLES = 16  # samples per pixel of an anchor
+LONGEST = 30.0  # seconds that an anchor may take; after a slower one no more are requested
+_FAILURES = 2  # failures in a row after which no more anchors are requested
 
 AnchorRequest = Callable[[messages.Anchor], messages.Anchored | None]  # to Blender; None to end the loop
 
 
 class BlenderPictures:
-    """A source of Cycles' pictures of one of a vibe's shots. Failures are noted, and the loop goes on without."""
+    """A source of Cycles images of one shot, rendered by Blender. After failures, which are noted, the loop goes on without them."""
 
     def __init__(self, scene: SceneData, ask: AnchorRequest, seed: int, shot: int = 0) -> None:
         self._scene, self._ask, self._seed, self._shot = scene, ask, seed, shot
         self._number = self._failures = 0
         self._over = False
-        self.seconds: list[float] = []  # Blender's time for each picture
-        # seconds that it was busy with something else, as the artist's own image, when it was asked
+        self.seconds: list[float] = []  # Blender's time for each image
+        # seconds that requests had to wait because Blender was busy, as with the image of the artist's values
         self.waited = 0.0
         self.notes: list[str] = []  # failures, in words for the artist
 
     def __call__(self, values: dict[str, list[float]], size: tuple[int, int]) -> CyclesPicture | None:
-        """A picture of values, of a width and height; None where there is none to be had."""
+        """A Cycles image of the values with `size` (width, height); None if Blender gives none."""
         if self._over:
             return None
         self._number += 1
@@ -76,7 +76,7 @@ class BlenderPictures:
         return picture
 
     def _load(self, answer: messages.Anchored, size: tuple[int, int]) -> CyclesPicture:
-        """The picture of an answer; raises VibeError if it has none that can be used."""
+        """The image of an answer; raises VibeError if the answer has an error or an image of another size."""
         if answer.error:
             raise VibeError(answer.error, "")
         path = Path(self._scene.folder) / answer.picture
@@ -96,29 +96,28 @@ PictureSource = Callable[[dict[str, list[float]], tuple[int, int]], CyclesPictur
 
 @dataclass(frozen=True)
 class AnchorState:
-    """A proxy's correction by a picture of Cycles."""
+    """A proxy's correction by a Cycles image, the anchor."""
 
-    correction: Correction | None = None  # None for the plain proxy
-    # (N,) the values of the picture, where the correction is exact; None where there is no picture of the current
-    # ones
+    correction: Correction | None = None  # None for the uncorrected proxy
+    # (N,) the point of the anchor, where the correction is exact; None without an anchor that is still valid
     u: Tensor | None = None
-    earlier: Correction | None = None  # the one before: what was a prediction worth without the last picture?
-    picture: CyclesPicture | None = None
+    earlier: Correction | None = None  # the correction before, which tells how good the last prediction was
+    picture: CyclesPicture | None = None  # the anchor
 
     def distance(self, u: Tensor) -> float:
-        """Distance of u (N,) from the picture, in its worst component's whole range; infinite without one."""
+        """Largest distance of a component of u (N,) from the anchor's, as a share of its whole range; infinite without one."""
         return float((u - self.u).abs().max()) if self.u is not None else float("inf")
 
 
 LOCKED = "locked by you"
-MOVES = "it changes from shot to shot in your scene"  # why a value is locked that differs in one .blend
+MOVES = "it changes from shot to shot in your scene"  # why a value is locked that differs within one .blend
 
-_HERE = 0.01  # of a component's whole range: so near to an anchor, its correction is as good as a new one
-_NEAR = 0.25  # of a component's whole range: so far an old correction is better than none
+_HERE = 0.01  # distance from an anchor, see `AnchorState.distance`, within which no new anchor is needed
+_NEAR = 0.25  # distance up to which an old correction is better than none
 
 _LARGEST, _USUAL = 256, 144
-"""Greatest longer side of the images inside the loop, in pixels, and the usual one: 192 cost 1.7 times as much for the same looks."""
-_OF_A_PICTURE = 128  # the greatest where a reference image is the goal: nothing so fine is read off it
+"""Longer side of the images inside the loop, in pixels: the largest, and the usual one. 192 costs 1.7 times as much for the same looks."""
+_OF_A_PICTURE = 128  # the same with a reference image, of which no fine details are measured
 
 
 @dataclass(frozen=True)
@@ -126,31 +125,31 @@ class ShotInput:
     """A shot before the loop."""
 
     scene: SceneData  # as its camera sees it at its frame
-    source: PictureSource | None = None  # of Cycles' pictures of it; None for none
-    file: str = ""  # names its .blend: what differs within one .blend is animated
-    known: KnownPicture | None = None  # the one that the vibe before has ended with
+    source: PictureSource | None = None  # of Cycles images; None if there are none
+    file: str = ""  # name of its .blend: values that differ within one .blend are animated
+    known: KnownPicture | None = None  # the Cycles image that the vibe before ended with
 
 
 @dataclass
 class ShotState:
-    """A shot in the loop. Its methods change nothing but what is cached: a new anchor, view or plan gives another state."""
+    """A shot in the loop. Methods return a new state for a new anchor, view or plan; a state itself only changes its caches."""
 
     scene: SceneData  # as its camera sees it at its frame
-    names: dict[str, str]  # its keys -> the shared vector's
-    vector: ParameterVector  # the shared vector under its keys
-    proxy: Proxy  # renders the loop's images; all states of a shot have the same one. Use `corrected`
-    source: PictureSource | None = None  # of Cycles' pictures
+    names: dict[str, str]  # key of the shot -> key in the shared vector
+    vector: ParameterVector  # a view of the shared vector with the shot's keys
+    proxy: Proxy  # one for all states of a shot; to draw, use `corrected`
+    source: PictureSource | None = None  # of Cycles images
     anchor: AnchorState = field(default_factory=AnchorState)  # the proxy's correction
-    # one per picture of Cycles, for all states: the number of the round, and the mean CIEDE2000 between what the
-    # proxy had predicted and what it says with the picture
+    # one per anchor, shared by all states: the number of the round, and the mean CIEDE2000 between the proxy's
+    # images before and after the correction by the anchor
     records: list[dict[str, Any]] = field(default_factory=list)
     guidance: Guidance | None = None  # judges images by the round's advice; calibrated on the artist's image
-    before: MeasuredPicture | None = None  # the artist's image, and what its camera saw; None before the loop
-    claims: ClaimSet | None = None  # what the words say that its images look like, likewise
-    # Of the place where the claims are measured, by values and anchor: the point (N,), and what the camera sees there
+    before: MeasuredPicture | None = None  # the proxy's image of the artist's values; None before the loop
+    claims: ClaimSet | None = None  # about the shot's images; None before the loop
+    # the camera's view in which the claims are measured, and the point (N,) that it belongs to
     seen: GBuffer | None = None
     _seen_at: Tensor | None = None
-    _last: tuple[Tensor, Render] | None = None  # where the last image was drawn, and it
+    _last: tuple[Tensor, Render] | None = None  # cache: the point of the last image, and the image
 
     @property
     def corrected(self) -> Proxy:
@@ -168,7 +167,7 @@ class ShotState:
         return self._last[1]
 
     def advised(self, advisor: Advisor, u: Tensor, described: SceneDescription) -> Advice:
-        """An advisor's advice on this shot at u (N,), by its scene and its image; raises VibeError where there is none."""
+        """An advisor's advice on this shot at u (N,), with its scene and its image; raises VibeError if there is none."""
         image = self.draw(u)
         now = described_now(described, self.proxy, self.vector.values(u), image)
         advice = advisor.advise(image.display, self.vector.instances, now)
@@ -176,9 +175,10 @@ class ShotState:
         return replace(advice, plan=plan)
 
     def anchored(self, u: Tensor, number: int, slack: float = _HERE) -> ShotState:
-        """The shot with its proxy corrected at u (N,) by a picture of Cycles, if there is one and none within the slack.
+        """The shot with its proxy corrected at u (N,) by a new Cycles image, if there is a source.
 
-        A picture from which only light and film differ is exact at u, too.
+        The shot stays the same if its anchor lies within `slack` of u, or if only light and film differ from its anchor: a sum of the
+        anchor's light layers is then exact at u, too.
         """
         distance = self.anchor.distance(u)
         if self.source is None or distance <= slack:
@@ -198,7 +198,7 @@ class ShotState:
         return shot
 
     def reminded(self, known: KnownPicture) -> ShotState:
-        """The shot with its proxy corrected by a picture of an earlier vibe, where that shows the scene as it is now."""
+        """The shot with its proxy corrected by the Cycles image of an earlier vibe, if that image shows the scene as it is now."""
         values = known.values_in(self.scene) if known.picture.size == self.proxy.size else None
         if values is None:
             return self
@@ -207,13 +207,13 @@ class ShotState:
         return self._with(AnchorState(correction, u, picture=known.picture))
 
     def known_picture(self) -> KnownPicture | None:
-        """The picture that corrects the proxy, for a vibe that follows; None where there is none."""
+        """The Cycles image that corrects the proxy, for a vibe that follows; None if there is none."""
         if self.anchor.picture is None or self.anchor.u is None:
             return None
         return KnownPicture(self.scene, self.vector.values(self.anchor.u), self.anchor.picture)
 
     def _with(self, anchor: AnchorState, vector: ParameterVector | None = None) -> ShotState:
-        """The shot with another anchor or vector, for which nothing is drawn yet."""
+        """The shot with another anchor or vector, and empty caches."""
         return replace(self, anchor=anchor, vector=vector or self.vector, _last=None, _seen_at=None)
 
     def gbuffer(self, u: Tensor) -> GBuffer:
@@ -221,14 +221,14 @@ class ShotState:
         return self.proxy.gbuffer(chosen_values(self.vector, u, self.proxy.device))
 
     def viewed(self, u: Tensor) -> ShotState:
-        """The shot with its claims measured where their objects are in the image of u (N,): the camera may have moved."""
+        """The shot with the regions of its claims in the view of u (N,): the camera may have moved."""
         if self.claims is None or (self._seen_at is not None and torch.equal(self._seen_at, u)):
             return self
         seen = self.gbuffer(u)
         return replace(self, seen=seen, claims=self.claims.in_view(seen), _seen_at=u.detach().clone())
 
     def judged(self, claims: tuple[Claim, ...], image: Render, u: Tensor) -> ShotState:
-        """The shot with claims about its images, of which this is the artist's, at u (N,); the same if it has claims."""
+        """The shot with claims, whose values `before` come from its image of the artist's values u (N,); the same if it has claims."""
         if self.claims is not None:
             return self
         before = MeasuredPicture(image.display.detach(), self.gbuffer(u))
@@ -236,16 +236,16 @@ class ShotState:
 
     @torch.no_grad()
     def missed(self, u: Tensor) -> list[Tensor]:
-        """Distance of its image at u (N,) from each claim: (n,) in noticeable steps, measured where its objects are there."""
+        """Distance of the shot's image at u (N,) from each claim: (n,) in noticeable steps, measured in the view of u."""
         viewed = self.viewed(u)
         return viewed.residuals(viewed.draw(u))
 
     def residuals(self, picture: Render) -> list[Tensor]:
-        """Distance of an image from each claim: (n,) in noticeable steps, differentiable in it."""
+        """Distance of an image from each claim: (n,) in noticeable steps, differentiable in the image."""
         return self.claims.residuals(self._measured(picture)) if self.claims else []
 
     def aims(self, picture: Render) -> list[tuple[Claim, Tensor, Tensor, Tensor]]:
-        """Claims with an image's value for each, and the interval that is sought, see `ClaimSet.aims`."""
+        """The claims, each with its value in an image and its aim's lower and upper end, see `ClaimSet.aims`."""
         return self.claims.aims(self._measured(picture)) if self.claims else []
 
     def _measured(self, picture: Render) -> MeasuredPicture:
@@ -253,7 +253,7 @@ class ShotState:
         return MeasuredPicture(picture.display, replace(self.seen, transmittance=picture.transmittance))
 
     def planned(self, plan: Plan) -> ShotState:
-        """The shot with what the words name being the same as in the first shot, if its own scene has another value."""
+        """The shot with the vector's values for parameters that the plan lets move, also where its own scene has other values."""
         named = {
             own
             for own, key in self.names.items()
@@ -263,21 +263,21 @@ class ShotState:
         }
         if named <= self.vector.taken:
             return self
-        # The last picture shows other values than u now says: another one is due.
+        # The last anchor shows other values than u now stands for, so a new one is needed.
         return self._with(replace(self.anchor, u=None), self.vector.taking(named))
 
 
 def draw(
     proxy: Proxy, vector: ParameterVector, u: Tensor, free: set[str] | frozenset[str] = frozenset()
 ) -> Render:
-    """The proxy's image of u (N,), I = R(θ), equation 1; values that are the artist's own are left to the scene as they are."""
+    """The proxy's image of u (N,), I = R(θ), equation 1; only values that differ from the artist's are set, see `chosen_values`."""
     return proxy.render(chosen_values(vector, u, proxy.device, free))
 
 
 def chosen_values(
     vector: ParameterVector, u: Tensor, device: torch.device, free: set[str] | frozenset[str] = frozenset()
 ) -> dict[str, Tensor]:
-    """Key -> (components,) float32 in schema units, of u (N,): values that are free, with gradients, or no longer the artist's."""
+    """Key -> (components,) float32 value of u (N,) in schema units, for free keys, with gradients, and for changed or taken values."""
     moved = (u.detach() - vector.encode({})).abs() > 1e-9
     values = {}
     for key, value in vector.decode(u).items():
@@ -291,7 +291,7 @@ def chosen_values(
 def gathered(
     views: Sequence[ShotInput], options: Options, proxy: Callable[[SceneData], Proxy]
 ) -> tuple[ParameterVector, list[ShotState]]:
-    """The vector of what the shots of a vibe share, and the shots; raises VibeError if a group or a lock names nothing."""
+    """The vector that the shots of a vibe share, and the shots; raises VibeError if a group or a lock names nothing."""
     instances, names = shared_parameters(views, ("camera", "film") if options.grade_each else ("camera",))
     vector = ParameterVector(lock(instances, options.groups, options.lock, options.camera))
     vector = vector.taking(added_values(views[0].scene))
@@ -308,10 +308,10 @@ def gathered(
 def shared_parameters(
     views: Sequence[ShotInput], own: Sequence[str] = ()
 ) -> tuple[dict[str, Instance], list[dict[str, str]]]:
-    """One set of parameters for all shots, by name, and for each shot its keys -> theirs; values are the first shot's.
+    """One set of parameters for all shots, with the first shot's values, and for each shot a mapping from its keys to shared keys.
 
-    A value that is locked in one of them is locked in all, and so is one that moves within a .blend. Every shot has the groups
-    in `own` to itself.
+    A value that is locked in one shot is locked in all, and so is a value that differs between shots of one .blend. Each shot has its
+    own parameters of the groups in `own`.
     """
     shared: dict[str, Instance] = {}
     files: dict[str, str] = {}
@@ -334,7 +334,7 @@ def shared_parameters(
 
 
 def added_values(scene: SceneData) -> set[str]:
-    """Keys of the lights that the artist's scene lacks: writing them adds the lights."""
+    """Keys of the parameters of lights that the artist's scene lacks: writing these values adds the lights."""
     added = {light.name for light in scene.lights if light.added}
     return {key for key, i in scene.instances.items() if i.parameter.group == "light" and i.owner in added}
 
@@ -342,7 +342,10 @@ def added_values(scene: SceneData) -> set[str]:
 def lock(
     instances: Mapping[str, Instance], groups: Sequence[str], locks: Sequence[str], camera: bool
 ) -> dict[str, Instance]:
-    """Instances with the artist's locks, and why; without groups the camera is locked. Raises VibeError for what names nothing."""
+    """Instances with the artist's locks and their reasons; the camera is locked unless `groups` or `camera` free it.
+
+    Raises VibeError if a group or a lock names nothing.
+    """
     if strange := [g for g in groups if g not in GROUPS]:
         raise VibeError(f"Unknown group {strange[0]!r}.", f"Use some of: {', '.join(GROUPS)}.")
     for pattern in locks:
@@ -368,17 +371,17 @@ def lock(
 
 
 def picture_size(resolution: tuple[int, int], longest: int) -> tuple[int, int]:
-    """Width and height of the artist's image, pixels, scaled so that the longer side has `longest`."""
+    """(width, height) in pixels of the artist's image, scaled so that the longer side has `longest` pixels."""
     factor = longest / max(resolution)
     width, height = (max(round(n * factor), 1) for n in resolution)
     return width, height
 
 
 def inner_size(scene: SceneData, options: Options, encoder: Encoder, pictured: bool) -> tuple[int, int]:
-    """Width and height of the images inside the loop, at most the options' `size`; the prediction has the full size.
+    """(width, height) of the images inside the loop, at most the options' `size`; the prediction has the full size.
 
-    For an encoder that somebody names it is one and a half times what that looks at, as crops are at least three quarters
-    of the image. A reference image, where goals are `pictured`, needs less.
+    If the options name an encoder, the longer side is at least one and a half times the encoder's input, because crops are at least
+    three quarters of the image. With a reference image (`pictured`) less is enough.
     """
     enough = _OF_A_PICTURE if pictured else max(_USUAL, encoder.size * 3 // 2 if options.encoder else 0)
     return picture_size(scene.resolution, min(options.size, _LARGEST, enough))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The stage of a vibe: the words, read against the scene once, and the scene, lit as they ask for."""
+"""The stage of a vibe: the words, read once against the scene, and the scene with the lights that the words ask for."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -27,18 +27,18 @@ from ..words.types import SaidLink
 from .scene_words import described
 
 _SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim", "kicker", "bounce")}
-"""Lights that single words may need, as "rim light" does where no rig is asked for; the last two where such a light is there."""
+"""Lights that single words may need, as "rim light", if they ask for no rig; the last two if the scene already has such a light."""
 _ADDED = ("rim light", "fill light")  # targets of words about a light that a further sentence adds
 
 
 @dataclass(frozen=True)
 class StagedScenes:
-    """Scenes and goals of a vibe."""
+    """The scenes and goals of a vibe."""
 
     scenes: list[SceneData]  # the shots, with the lights that the words ask for and the scene lacks
     understood: Understood  # the words, read against the scene
-    goals: Goals | VibeError  # the words' wishes; the reason why there are none where nothing is understood
-    lighting: Lighting | None = None  # the rig that the words ask for, set up; None where they ask for none
+    goals: Goals | VibeError  # the words' wishes; if nothing is understood, the error that says why
+    lighting: Lighting | None = None  # the rig that the words ask for, set up; None if they ask for none
 
     @property
     def plan(self) -> LightPlan | None:
@@ -51,7 +51,7 @@ class StagedScenes:
         return OfflineAdvisor(self.goals, self.plan)
 
     def claims(self, goals: Goals) -> tuple[Claim, ...]:
-        """The claims of goals about the image, the rig's structure among them."""
+        """The claims of goals about the image, including those about the rig's light."""
         lit = goals_without_rig(goals, self.plan) if self.plan else goals
         return claims_of(lit, default_vocabulary())
 
@@ -64,11 +64,15 @@ def set_stage(
     written: WrittenGoals | None = None,
     goes_on: bool = False,
 ) -> StagedScenes:
-    """The shots, lit by the rig that the words ask for; or with lights on standby for single words, where they ask for no rig.
+    """The shots with the rig that the words ask for; without a rig, with standby lights and a backdrop that single words need.
 
-    Where nothing in the prompt is understood offline, nothing is added. The first of several shots decides on lights for all; a
-    backdrop is for all of them or for none. Written goals take the place of the prompt's. A prompt that `goes_on` is measured from
-    the image as it is. Raises VibeError if a target, as "copper=Cup", names nothing in the scene.
+    If nothing in the prompt is understood offline, nothing is added. The first of several shots decides on lights for all; a backdrop
+    is added to all or to none. Raises VibeError if a target, as "copper=Cup", names nothing in the scene.
+
+    Args:
+        new_lights: Whether lights may be added.
+        written: Goals that replace those of the prompt.
+        goes_on: Whether the prompt is a further sentence, whose goals are relative to the present image.
     """
     prompt, factor = sentences.plain(prompt) if goes_on else (prompt, 0.0)
     anew = goes_on and new_lights and sentences.adds_light(prompt)
@@ -96,13 +100,13 @@ def set_stage(
     if parts and all(scene.may_have_backdrop for scene in scenes):
         scenes = [scene.with_backdrop() for scene in scenes]
     scenes = [scene.with_lights(names) if names else scene for scene in scenes]
-    if goes_on:  # the image that it goes on from has none of them
+    if goes_on:  # the added lights are off in the image that the sentence goes on from
         scenes = [replace(scene, instances=_unlit(scene.instances, names)) for scene in scenes]
     return StagedScenes(list(scenes), understood, goals)
 
 
 def _about_added(understood: Understood) -> list[str]:
-    """Targets for colors of light that name nothing themselves: in "another rim light, warm" it is the added light that is warm."""
+    """Targets for colors of light without a target of their own: in "another rim light, warm" the added light is warm."""
     added = [word.target for word in understood.words if word.target in _ADDED]
     if len(added) != 1:
         return []
@@ -116,7 +120,7 @@ def _about_added(understood: Understood) -> list[str]:
 
 
 def _unlit(instances: Mapping[str, Instance], names: Collection[str]) -> dict[str, Instance]:
-    """Parameters with the power of some lights as good as off."""
+    """Parameters in which the power of the named lights is nearly zero."""
     power = {k: i for k, i in instances.items() if i.owner in names and i.parameter.family == "light/power"}
     return {**instances, **{key: replace(i, value=(OFF * i.reference,)) for key, i in power.items()}}
 
@@ -141,7 +145,7 @@ def linked(stage: StagedScenes, options: Options) -> StagedScenes:
 
 
 def _lights(said: SaidLink, scene: SceneData, stage: StagedScenes) -> list[str]:
-    """The lights of a scene that words mean: those of that name or else role, and those that are added for the words."""
+    """The lights of a scene that a link's words mean: those that they name and added ones of the role, else all of the role."""
     playing = stage.lighting.parts if stage.lighting else {}
     added = [x.name for x in scene.lights if x.added and playing.get(x.name, x.role) == said.role]
     own = [x.name for x in scene.lights if not x.added and x.name in said.lights]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""All values of a scene as one vector u in [0, 1]^N, on which equal steps look alike."""
+"""All values of a scene as one vector u in [0, 1]^N, on which steps of equal length look about equally large."""
 
 from __future__ import annotations
 
@@ -13,23 +13,22 @@ from torch import Tensor
 from ..planning.types import Plan
 from ..schema import Instance, Values
 
-_FLATTEST = 0.05
-_STRIDE, _FLAT_STRIDE = 0.01, 0.15  # moves of u for a slope: usual, and near the flat end of a scale
-_FLAT_FROM, _FLAT_BELOW = 2.5, 0.25  # exponent of such a scale, and where that end ends
-_TURN = 360.0
-_NARROW = 0.15  # of a whole scale: how wide a range counts at least where it opens
+_FLATTEST = 0.05  # least u at which the slope of a power scale is taken
+_STRIDE, _FLAT_STRIDE = 0.01, 0.15  # moves of u for a difference: usual; at the flat end of a power scale
+_FLAT_FROM, _FLAT_BELOW = 2.5, 0.25  # exponent from which a power scale has a flat end; u where it stops
+_TURN = 360.0  # degrees
+_NARROW = 0.15  # in u: a narrower range opens as one of this width does
 
 
 class ParameterVector:
-    """The map between {key: values} and u, component by component (colors take three).
+    """The map between {key: values} and u, component by component (a color has three).
 
-    u is float64, so that a value that nothing moved survives the round trip; decoded values are
-    float32, as the renderer wants them.
+    u is float64, so that values that did not move survive the round trip. Decoded values are float32, as the renderer expects.
     """
 
     def __init__(self, instances: Mapping[str, Instance]) -> None:
         self.instances = dict(instances)  # the instances by key, in the order of the vector
-        self.slices: dict[str, slice] = {}  # where each key's components are
+        self.slices: dict[str, slice] = {}  # key -> its components in u
         self.size = 0  # N
         for key, instance in self.instances.items():
             self.slices[key] = slice(self.size, self.size + instance.parameter.components)
@@ -39,15 +38,15 @@ class ParameterVector:
         self._upper = _stack(i.upper for i in self.instances.values())
         self._log = torch.tensor([i.parameter.scale.name == "log" for i in each])
         self._exponent = torch.tensor([i.parameter.scale.exponent for i in each], dtype=torch.float64)
-        # keys whose values are written though nothing has moved them: lights that are added, and in a further
-        # shot values that the words name and the first shot has already
+        # keys whose values are written even if they did not move: those of added lights and, in a further shot,
+        # values that the plan lets move and in which its scene differs from the first shot
         self.taken: frozenset[str] = frozenset()
         self.links: tuple[str, ...] = ()  # keys of light links, which are written with every change
         self._home = torch.zeros(self.size, dtype=torch.float64)
         self._home = self.encode({key: instance.value for key, instance in self.instances.items()})
 
     def view(self, names: Mapping[str, str]) -> ParameterVector:
-        """The same u for one of several shots, which calls some of its parameters by names of its own."""
+        """The same u under the keys of one of several shots; `names` maps the shot's keys to those of this vector."""
         shown = copy(self)
         shown.instances = {own: self.instances[key] for own, key in names.items()}
         shown.slices = {own: self.slices[key] for own, key in names.items()}
@@ -55,7 +54,7 @@ class ParameterVector:
         return shown
 
     def taking(self, keys: Iterable[str]) -> ParameterVector:
-        """The same u, with these keys among the taken."""
+        """The same vector with these keys added to `taken`."""
         other = copy(self)
         other.taken = self.taken.union(keys)
         return other
@@ -74,13 +73,13 @@ class ParameterVector:
     def decode(self, u: Tensor) -> dict[str, Tensor]:
         """Key -> (C,) float32 values of u (N,) in schema units, differentiable in u.
 
-        A power scale is flat at its lower end, where a fog of density zero could never grow:
-        there the gradient takes the slope of a twentieth of the way up.
+        A power scale is flat at its lower end, so that fog of density zero could never grow. Below u = 0.05 the gradient is therefore
+        the slope at 0.05.
         """
         return self.along(u, u - u.detach())
 
     def along(self, u: Tensor, move: Tensor) -> dict[str, Tensor]:
-        """Values at a move (N,) from u (N,), as the slopes at u have it; otherwise as `decode`."""
+        """Key -> (C,) float32 values at u + move, each (N,), extrapolated linearly from u with the slopes of `decode`."""
         x = u.detach().clamp(0.0, 1.0)
         span = self._upper - self._lower
         ratio = (self._upper / self._lower.clamp_min(1e-30)).clamp_min(1e-30)
@@ -93,12 +92,12 @@ class ParameterVector:
         return {key: linked[part] for key, part in self.slices.items()}
 
     def strides(self, u: Tensor) -> Tensor:
-        """(N,) moves of u (N,) by which a picture changes a little; longer where a power scale is flat."""
+        """(N,) moves of u (N,) that change an image a little, for differences; longer where a power scale is flat."""
         flat = (self._exponent >= _FLAT_FROM) & (u < _FLAT_BELOW)
         return torch.where(flat, _FLAT_STRIDE, _STRIDE).to(u)
 
     def values(self, u: Tensor) -> dict[str, Values]:
-        """Key -> values of u (N,) in schema units, to six digits; values where the artist had them keep the same float."""
+        """Key -> values of u (N,) in schema units, rounded to six digits; values that did not move are exactly the artist's."""
         moved, raw = (u.detach() - self._home).abs() > 1e-9, self.plain(u)
         out: dict[str, Values] = {}
         for key, part in self.slices.items():
@@ -110,13 +109,13 @@ class ParameterVector:
         return out
 
     def changes(self, u: Tensor) -> dict[str, Values]:
-        """Values of u (N,) that differ from the artist's, those that are taken, and links of lights."""
+        """Key -> values of u (N,) that have to be written: those that differ from the artist's, `taken` ones, and light links."""
         values = self.values(u)
         changed = {k: v for k, v in values.items() if k in self.taken or v != self.instances[k].value}
         return changed | dict.fromkeys(self.links, (1.0,))
 
     def plain(self, u: Tensor) -> dict[str, Values]:
-        """Values of u (N,) as plain numbers, without regard to the artist's."""
+        """Key -> values of u (N,) in schema units as floats, without rounding."""
         rows = {}
         for key, part in self.slices.items():
             i = self.instances[key]
@@ -125,17 +124,17 @@ class ParameterVector:
         return rows
 
     def mark(self, keys: Iterable[str]) -> Tensor:
-        """(N,) bool: the components of these keys."""
+        """(N,) bool, True for the components of these keys."""
         marked = torch.zeros(self.size, dtype=torch.bool)
         for key in keys:
             marked[self.slices[key]] = True
         return marked
 
     def bounds(self, ranges: Mapping[str, tuple[Values, Values]]) -> tuple[Tensor, Tensor]:
-        """The feasible box in u: plan ∩ hard bounds ∩ locks, each corner (N,).
+        """The lower and upper corner (N,) of the feasible box in u: the plan's ranges within the hard bounds and the locks.
 
-        A key without a range may go anywhere within its hard bounds, and a locked one stays at the artist's value. A range outside of
-        the hard bounds becomes their nearest end.
+        A key without a range may take any value within its hard bounds; a locked key stays at the artist's value. A range outside of
+        the hard bounds becomes the nearest bound.
         """
         lower, upper = {}, {}
         for key, instance in self.instances.items():
@@ -151,22 +150,22 @@ def project(u: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
 
 
 def start_point(vector: ParameterVector, plan: Plan, u: Tensor) -> Tensor:
-    """The artist's point u (N,), with the values where words have the search begin, see `PlanEntry.start`."""
+    """The point u (N,) with the starts of a plan's entries in the place of its values, see `PlanEntry.start`."""
     starts = {key: entry.start for key, entry in plan.items() if entry.start is not None}
     return torch.where(vector.mark(starts), vector.encode(starts), u)
 
 
 def around(u: Tensor, lower: Tensor, upper: Tensor, share: float) -> tuple[Tensor, Tensor]:
-    """The corners, each (N,), of the part of a box around u's nearest point in it: a share of each range on either side."""
+    """The corners, each (N,), of a smaller box around u (N,), projected into the box: `share` of each range on either side."""
     middle, reach = project(u, lower, upper), share * (upper - lower)
     return torch.maximum(lower, middle - reach), torch.minimum(upper, middle + reach)
 
 
 def opened(lower: Tensor, upper: Tensor, share: Tensor, own: Tensor) -> tuple[Tensor, Tensor]:
-    """The corners, each (N,), of a box with ranges wider by a share on either side, within the hard bounds; infinite is all there is.
+    """The corners, each (N,), of a box whose ranges open by a share (N,) of their width at both ends, within the hard bounds.
 
-    A narrow range is widened as one of `_NARROW` is. None opens farther than to the artist's value (N,): more contrast never comes
-    to less of it.
+    An infinite share opens a range fully. A range narrower than `_NARROW` opens as if it had that width. A range does not open beyond
+    the artist's point `own` (N,) outside of it: "more contrast" never becomes less than the artist's.
     """
     margin = torch.where(share > 0.0, share * (upper - lower).clamp_min(_NARROW), 0.0)
     low = torch.where(own < lower, torch.maximum(lower - margin, own), lower - margin)
@@ -177,7 +176,7 @@ def opened(lower: Tensor, upper: Tensor, share: Tensor, own: Tensor) -> tuple[Te
 def feasible_ranges(
     plan: Plan, instances: Mapping[str, Instance], values: Mapping[str, Values]
 ) -> dict[str, tuple[Values, Values]]:
-    """Key -> (lower, upper) of the plan, azimuths turned to where the values are now; the artist's where missing."""
+    """Key -> (lower, upper) of the plan, with azimuths turned by whole circles to lie nearest to the values, or the artist's values."""
     return {
         key: nearest_turn(instances[key], entry.lower, entry.upper, values.get(key, instances[key].value))
         for key, entry in plan.items()
@@ -185,7 +184,7 @@ def feasible_ranges(
 
 
 def nearest_turn(instance: Instance, lower: Values, upper: Values, value: Values) -> tuple[Values, Values]:
-    """The range of an angle, turned by whole circles to lie nearest to the value: -170 is ten degrees from the range [180, 200]."""
+    """The range of an angle, turned by a whole circle if that is nearer to the value: for -170, [180, 200] becomes [-180, -160]."""
     if instance.parameter.unit != "deg" or instance.parameter.upper - instance.parameter.lower < 2 * _TURN:
         return lower, upper
 

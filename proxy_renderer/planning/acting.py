@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The effects of wishes that act in a scene: on what, in which order, and those that a rig leaves."""
+"""The effects of wishes in a scene, the stages in which they are applied, and the goals that remain next to a rig."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -15,11 +15,11 @@ from .types import LightPlan
 
 _PALE, _WHITE = 80.0, 93.0  # L* of pale and of white surroundings
 _MAIN = 1  # priority of what a word is mainly about
-_LIT = ("direction", "hardness", "light_color", "key_to_rest", "brightness")  # of light: a rig gives them
+_LIT = ("direction", "hardness", "light_color", "key_to_rest", "brightness")  # quantities that a rig decides
 _SHEDS = ("light/", "world/", "volume/", "film/vignette", "film/exposure")  # families that a rig sets itself
-_BESIDE_LIGHT = 0.5  # strength of a mood's grade where a rig gives it its light
-STAGES = 3  # how many there are, see `stage_of`
-Act = tuple[Wish, Effect]  # an effect, with the wish that it serves and with what that describes in the scene
+_BESIDE_LIGHT = 0.5  # factor on the strength of what a mood implies, next to a rig
+STAGES = 3  # number of stages, see `stage_of`
+Act = tuple[Wish, Effect]  # an effect, with the wish that it comes from
 
 
 def acts(goals: Goals, vocabulary: Vocabulary, owners: Owners) -> list[Act]:
@@ -29,7 +29,7 @@ def acts(goals: Goals, vocabulary: Vocabulary, owners: Owners) -> list[Act]:
 
 
 def _effects(wish: Wish, vocabulary: Vocabulary, owners: Owners) -> tuple[Effect, ...]:
-    """The effects of a wish: a color of surroundings that hide the world is painted on them alone."""
+    """The effects of a wish. If surfaces hide the world, a color of the surroundings is painted on those surfaces alone."""
     color, kind = wish.attribute.color, wish.attribute.kind
     if color and wish.effects and kind == "surroundings" and owners.world_is_hidden():
         light = lab_from_srgb(color)[0]
@@ -39,9 +39,11 @@ def _effects(wish: Wish, vocabulary: Vocabulary, owners: Owners) -> tuple[Effect
 
 
 def goals_without_rig(goals: Goals, light: LightPlan) -> Goals:
-    """Goals in which a rig takes the place of what it stands for: it serves its words, and it alone sets the light of a mood.
+    """Goals without the wishes that a rig replaces; they get the rig's own wishes for the image as `shown`.
 
-    What an image has to show of it comes before a reference image. Of grade words what they do to the grade is left, and of moods half of that; the rig says what is to be seen of them.
+    Words that ask for the rig, and moods, lose their effects on light and their claims. Of grade words the effects on the film
+    remain; of what moods imply, all other effects at half strength. Wishes that contradict the rig's light are overridden:
+    those of a reference image, and those of words that are not about light.
     """
     if not (light.served or light.shown):
         return goals
@@ -56,7 +58,11 @@ def goals_without_rig(goals: Goals, light: LightPlan) -> Goals:
 
 
 def _outshone(wish: Wish, served: Wish, light: LightPlan) -> bool:
-    """True if a word that is about no light contradicts the light of a rig: an "old" well in moonlight is not lit warmly."""
+    """True if a rig's wish, `served`, overrides another wish: the light of an "old" well in moonlight is not warm.
+
+    A wish of a reference image is overridden if it contradicts one that the rig shows; a wish of a word only if the word is not
+    about light.
+    """
     if wish.of_picture or served in light.shown:
         return wish.of_picture and contradicts(served, wish)
     about_light = wish.attribute.slot == "lighting" or wish.attribute.color or wish.attribute in light.served
@@ -64,7 +70,7 @@ def _outshone(wish: Wish, served: Wish, light: LightPlan) -> bool:
 
 
 def _left(wish: Wish, light: LightPlan) -> Wish:
-    """The part of a wish that a rig leaves."""
+    """A wish without what a rig sets itself; a wish that is neither served by the rig nor implied stays as it is."""
     served = wish.attribute in light.served
     if not (served or wish.implied):
         return wish
@@ -76,19 +82,23 @@ def _left(wish: Wish, light: LightPlan) -> Wish:
 
 
 def grade_of(light: LightPlan) -> Iterator[Act]:
-    """The film's effects of a rig, with their wishes."""
+    """The rig's effects on the film, each with a wish of the word that it belongs to."""
     for attribute, effect in light.grade:
         quantity = quantities().of_parameter(effect.owner, effect.family, effect.mode)
         yield Wish(attribute, quantity, effects=(effect,), strength=attribute.strength), effect
 
 
 def is_usual(wish: Wish, effect: Effect) -> bool:
-    """True if a place only usually has it: the sky of a garden is blue, but not at night."""
+    """True if an effect describes what a place usually has: the sky of a garden is blue, but not at night."""
     return wish.attribute.slot == "setting" and effect.weak and effect.priority > _MAIN
 
 
 def stage_of(effect: Effect) -> int:
-    """The stage of an effect, the least first: the world's strength for its color and for the key, glows for surfaces."""
+    """The stage, from 0, in which an effect is applied.
+
+    The world's strength, and shares of the key's light, come in stage 1: they depend on the world's color and the key. Effects with
+    a material's own color come in stage 2.
+    """
     if effect.color == "own":
         return 2
     return 1 if effect.mode == "share" or effect.family == "world/strength" else 0

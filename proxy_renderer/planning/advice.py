@@ -21,11 +21,11 @@ _BEFORE = {"finish": 1, "color": 2, "material": 3}  # slot -> place before a nou
 _OF_MATTER = ("color", "finish", "material", "setting")
 _OF_ALL = ("lighting", "atmosphere", "grade", "mood")
 _KINDS = {"subject": ("subject", "highlight", "glow"), "surroundings": ("surroundings", "sky")}
-"""Region -> kinds of things whose matter is seen there."""
-_ALL = {"subject": "silhouette", "surroundings": "fog"}  # region -> what is all that is seen of it
-_UNNAMED = {"subject": "object", "surroundings": "background"}  # region -> what it is called otherwise
+"""Region -> kinds of targets that its caption describes."""
+_ALL = {"subject": "silhouette", "surroundings": "fog"}  # region -> kind or entry that describes all of it
+_UNNAMED = {"subject": "object", "surroundings": "background"}  # region -> its noun if the prompt has none
 _COLORED = ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience")
-"""Kinds of things that a color needs beside it to be understood: "blue shadows"."""
+"""Kinds of targets whose noun follows a color in a caption: "blue shadows"."""
 
 
 @dataclass(frozen=True)
@@ -34,22 +34,22 @@ class Prompts:
 
     subject: str  # short caption of the subject alone
     surroundings: str  # short caption of the surroundings alone; "" when the words leave them open
-    whole: str  # caption of the whole picture
-    subject_negatives: tuple[str, ...] = ()  # what it must not look like: swaps, antonyms, positively worded
-    surroundings_negatives: tuple[str, ...] = ()  # likewise for the surroundings
-    whole_negatives: tuple[str, ...] = ()  # likewise for the whole picture: "thick fog" for "no fog"
+    whole: str  # caption of the whole image
+    subject_negatives: tuple[str, ...] = ()  # captions that the subject must not fit: swapped words, antonyms
+    surroundings_negatives: tuple[str, ...] = ()  # captions that the surroundings must not fit
+    whole_negatives: tuple[str, ...] = ()  # captions that the image must not fit: "thick fog" for "no fog"
 
 
 def compose(
     parsed: Parsed, overruled: Collection[Attribute] = (), vocabulary: Vocabulary | None = None
 ) -> Prompts:
-    """Captions and negatives of a parsed prompt."""
+    """Captions and negatives of a parsed prompt, without the words in `overruled`."""
     captions = _Captions(vocabulary or default_vocabulary())
     meant = [a for a in parsed.attributes if a not in overruled]
     said = [a for a in meant if not a.negated and not a.cause]
     mine, theirs = ([a for a in said if _is_of(region, a)] for region in _KINDS)
     noun, backdrop = (_called(region, parsed) for region in _KINDS)
-    things: dict[str, list[Attribute]] = {}  # with materials of their own: "a white cup, a black table"
+    things: dict[str, list[Attribute]] = {}  # noun -> its words: "a white cup, a black table" has two nouns
     for attribute in mine:
         things.setdefault((attribute.owners and attribute.thing) or noun, []).append(attribute)
     foreground = ", ".join(captions.caption(a, name) for name, a in (things or {noun: []}).items())
@@ -72,7 +72,7 @@ def _called(region: str, parsed: Parsed) -> str:
 
 
 def _is_of(region: str, attribute: Attribute) -> bool:
-    """True if a word describes the matter of a region, the colors of fog and sky included."""
+    """True if a word describes the surfaces of a region, its fog, its sky, or all of it, as "silhouette" does."""
     whole = _ALL[region] in (attribute.kind, attribute.entry)
     return whole or (attribute.kind in _KINDS[region] and attribute.slot in _OF_MATTER)
 
@@ -92,10 +92,10 @@ class _Captions:
         return degree + entry.phrase
 
     def caption(self, attributes: Iterable[Attribute], noun: str) -> str:
-        """ "a glossy teal dolphin": what fits before the noun stands there, longer phrases follow it."""
+        """A caption such as "a glossy teal dolphin": short phrases stand before the noun, longer ones after it."""
         before: list[str] = []
         after: list[str] = []
-        # No "studio studio"
+        # A setting that is part of the noun is left out: no "studio studio"
         said = (a for a in attributes if a.slot != "setting" or (a.english or a.word) not in noun)
         for attribute in sorted(said, key=lambda a: _BEFORE.get(a.slot, 0)):
             adjective, _, more = self.words(attribute).partition(", ")
@@ -110,7 +110,7 @@ class _Captions:
         return ", ".join(dict.fromkeys([f"{article} {front}", *after]))
 
     def mistakes(self, own: list[Attribute], other: list[Attribute], noun: str) -> tuple[str, ...]:
-        """Negatives of a region: the other region's colors and matter, and the opposites of its own words."""
+        """Negatives of a region: its noun with the other region's colors and materials, and with opposites of its own words."""
         mine = {a.entry for a in own}
         swapped = (a for a in other if a.slot in ("color", "material") and a.entry not in mine)
         negatives = [self.caption([a], noun) for a in swapped]
@@ -124,7 +124,7 @@ class _Captions:
         return tuple(dict.fromkeys(negatives))
 
     def unwanted(self, attributes: list[Attribute]) -> tuple[str, ...]:
-        """For the whole picture: what negated words describe, and the opposites of the others."""
+        """Negatives of the whole image: what negated words describe, and the opposites of words about the whole image."""
         wanted = {self.words(a) for a in attributes if not a.negated}
         negatives = (text for a in attributes for text in self._denied(a))
         return tuple(n for n in dict.fromkeys(negatives) if n not in wanted)
@@ -141,7 +141,7 @@ class _Captions:
 
 
 def _color(attribute: Attribute) -> str:
-    """A color by its name and its kind, "crimson red": encoders know few of the thousand names that colors have."""
+    """A color by its name and its basic color, "crimson red": encoders know few names of colors."""
     kind, name = color_class(attribute), attribute.entry
     if attribute.kind in _COLORED:
         return f"{name} {attribute.thing}"
@@ -158,8 +158,8 @@ class Advice:
     goals: Goals  # what the words wish for; with the objects list O
     prompts: Prompts
     plan: Plan
-    unmeasured: Prompts = NO_PROMPTS  # captions and negatives of the words alone that no measure covers
-    # who gave it: "offline planner", or the model; with the reason if it was not the one asked for
+    unmeasured: Prompts = NO_PROMPTS  # captions and negatives of only those words that no measure covers
+    # the advisor: "offline planner" or a model, with the reason if it is not the one that was asked for
     source: str = "offline planner"
 
 
@@ -187,7 +187,7 @@ class OfflineAdvisor:
 
 
 def unmeasured(goals: Goals, served: Collection[Attribute] = ()) -> Prompts:
-    """Captions of the words that are sought and that claim nothing of the image; a rig measures those that it serves."""
+    """Captions of the words that have wishes but no measured claims; words that a rig serves count as measured."""
     measured = [wish.attribute for wish in goals.wishes if wish.is_measured]
     left = [
         a
@@ -239,7 +239,7 @@ def _word(word: PromptWord) -> str:
 
 
 def as_dict(goals: Goals, prompts: Prompts, plan: Plan) -> dict:
-    """The same for `--json`: objects, prompts, plan, and what was ignored or guessed."""
+    """The account of `explain` for `--json`: objects, prompts, plan, and the words that were ignored or guessed."""
     parsed = goals.parsed
     return {
         "prompt": parsed.prompt,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Light of surfaces that emit."""
+"""The light that emitting surfaces give to the subject."""
 
 import math
 
@@ -8,21 +8,21 @@ import numpy as np
 from ..scene import SceneData
 from ..words.types import Glow
 
-_MOST = 1.0  # a surface that glows all around gives white surfaces its own radiance
-_ENOUGH = 50_000  # triangles of a glow that are looked at
+_MOST = 1.0  # light of a glow that surrounds a white surface, which then has the glow's own radiance
+_ENOUGH = 50_000  # about so many triangles of a glow are sampled at most
 
 
 def glowing(scene: SceneData) -> list[str]:
-    """Names of the materials that emit light, without those that are in slots which no face has."""
+    """Names of the materials that emit light, in the order of the scene's materials."""
     lit = {i.owner for i in scene.instances.values() if i.parameter.name == "emission" and i.value[0] > 0}
     return [material.name for material in scene.materials if material.name in lit]
 
 
 def glows(scene: SceneData) -> dict[str, Glow]:
-    """Of every material that may glow: what its surfaces would give to a white surface at the subject.
+    """Material -> the light that its surfaces give to a white surface at the subject, for each one that emits and is used.
 
-    The sum of area x |cosine| / (pi d^2) over its triangles, d at least half the subject's height; nothing is taken to
-    stand in the way.
+    It is the sum of area x |cosine| / (pi d^2) over its triangles, where the distance d is at least half the subject's height.
+    Occlusion is ignored.
     """
     mesh, pivot = scene.mesh, np.array(scene.pivot)
     names = glowing(scene)
@@ -33,10 +33,10 @@ def glows(scene: SceneData) -> dict[str, Glow]:
         if material.name not in names or not len(faces):
             continue
         objects = {scene.objects[o].name for o in np.flatnonzero(np.bincount(mesh.object[faces])).tolist()}
-        # of very many triangles some stand for all
+        # Of very many triangles every `step`-th stands for `step` of them.
         step = max(len(faces) // _ENOUGH, 1)
         corners = mesh.vertices[mesh.faces[faces[::step]]].astype(float)
-        # as long as its area
+        # The length of a normal is the area that its triangle stands for.
         normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) * (step / 2.0)
         way = corners.mean(1) - pivot
         square = np.maximum((way**2).sum(1), max(near, 1e-12))

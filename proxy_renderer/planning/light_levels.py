@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Light on a surface that faces it, as values give it and as the view displays it."""
+"""The radiance of a white surface that faces the lights, and the lightness with which the view transform displays it."""
 
 import math
 from bisect import bisect_left
@@ -10,7 +10,7 @@ from ..color.floats import luminance
 from ..schema import Instance, Values, radiometry
 from ..words.types import SceneDescription
 
-# L* on an sRGB display of scene-linear grays, measured on Blender's own OCIO config; the rest as AgX.
+# View transform -> L* on an sRGB display of the grays, measured on Blender's own OCIO config; others as AgX.
 _GRAYS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.18, 0.3, 0.5, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 10.0)
 _LIGHTNESS = {
     "AgX": (2.4, 5.7, 12.2, 24.4, 36.9, 49.5, 60.3, 69.5, 76.5, 79.4, 83.9, 86.8, 90.2, 92.3, 95.0, 97.8),
@@ -23,7 +23,7 @@ _LIGHTNESS = {
 
 
 def radiance(lightness: float, view: str) -> float:
-    """The scene-linear gray that is displayed with L* = `lightness` (clamped to [0.5, 98])."""
+    """The scene-linear gray that a view transform displays with L* = `lightness` (clamped to [0.5, 98])."""
     curve = _LIGHTNESS.get(view, _LIGHTNESS["AgX"])
     lightness = min(max(lightness, 0.5), 98.0)
     if lightness <= curve[0]:
@@ -48,13 +48,13 @@ class WorldLook:
 
 @dataclass(frozen=True)
 class Sources:
-    """Facts that ranges are computed from, next to the effect itself."""
+    """Facts about the scene and its light that ranges are computed from, in addition to the effect."""
 
     scene: SceneDescription
-    exposure: float = 0.0  # stops between the scene's radiance and the view transform, as the artist has them
-    world: WorldLook = WorldLook()  # what the plan settles on for the world
-    backdrop: WorldLook = WorldLook()  # the same for what the camera sees of it
-    own_color: Values = (1.0, 1.0, 1.0)  # sRGB of the color that the material gets or has, for glows
+    exposure: float = 0.0  # stops between the scene's radiance and the view transform, by the artist's values
+    world: WorldLook = WorldLook()  # the world's look by the ranges that are decided so far
+    backdrop: WorldLook = WorldLook()  # the same for the backdrop, if there is one; else the world
+    own_color: Values = (1.0, 1.0, 1.0)  # sRGB of the color that a material gets or has, for its glow
     key: float = 0.0  # radiance, before exposure, of a white surface that faces the key; 0 without one
 
 
@@ -65,7 +65,7 @@ Value = Callable[[Instance], Values]
 
 
 def watts(instance: Instance, scene: SceneDescription) -> float:
-    """`power` (per d^2), `strength` or `emission` that gives a facing white surface a radiance of 1, at the light's own exposure."""
+    """`power` (per squared meter of distance), `strength` or `emission` at which a white surface that faces it has a radiance of 1."""
     if instance.parameter.group == "material":
         glow = scene.emitters[instance.owner]
         return 1.0 / max(glow.light * glow.strength, 1e-6)
@@ -80,7 +80,12 @@ def facing_radiance(
     value: Value,
     lights: Collection[str] | None = None,
 ) -> float:
-    """Radiance, before exposure, of a white surface that faces these lights (a glow is "material/NAME"), or all of them."""
+    """Radiance, before exposure, of a white surface that faces all lights and glows, or only those that are named.
+
+    Args:
+        value: Gives the value of an instance to compute with.
+        lights: Names of lights, and of glows as "material/NAME"; None for all.
+    """
     found = {}
     for instance in instances.values():
         if instance.parameter.group == "light" and instance.parameter.name in ("power", "strength"):
@@ -97,7 +102,7 @@ def facing_radiance(
 
 
 def kelvin_color(kelvin: float) -> Values:
-    """The linear color of light of a temperature, its largest component 1."""
+    """The linear RGB color of light of a temperature in kelvins, scaled to a largest component of 1."""
     mireds = 1e6 / kelvin - 1e6 / 6500.0
     tint = [math.exp(m * mireds) for m in _MIRED]
     return tuple(v / max(tint) for v in tint)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Materials, lights and the world, as words mean them."""
+"""From the target of a word to the materials, lights and parameters of the world that its effects change."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -11,27 +11,28 @@ from ..words.names import is_detail, kind_of
 from ..words.types import GLOW, Attribute, Parsed, SceneDescription
 from .light_levels import facing_radiance
 
-_SHARE = 0.15  # of the light on the subject from which a glow counts as a light of the scene
+_SHARE = 0.15  # share of the light on the subject above which a glow counts as a light of the scene
 _OF_GLOWS = {"power": "emission", "color": "emission_color", "temperature": "emission_color"}
-"""Parameters of lights -> those of glowing materials, which have neither place nor size to change."""
-_BEHIND = 180.0
+"""Parameter of a light -> parameter of a glowing material; glows have no position or size to change."""
+_BEHIND = 180.0  # azimuth of a light behind the subject, degrees from the camera
 
 
 class SceneLights:
-    """The lights of a scene by role, and what glows as they do.
+    """The lights of a scene by role, and the materials that glow enough to count as lights.
 
     Attributes:
-        key: Names of the key lights; the one that is brightest on the subject where no light has that role.
-        rim: Names of the rim lights; else the one nearest to behind the subject, if there are several.
-        fill: Names of the fill lights.
-        lamps: All lights.
-        glows: Glowing materials that light the scene as lights do, as "material/NAME"; they may be key and fill too.
+        key: Names of the key lights, or of the light brightest on the subject if none has that role. If there are glows, only the
+            brightest of those lights and the glows.
+        rim: Names of the rim lights; without any, the light most behind the subject that is no key.
+        fill: Names of the fill lights, and of all glows that are no key.
+        lamps: Names of all lights, without glows.
+        glows: Glowing materials that count as lights, as "material/NAME".
     """
 
     def __init__(self, instances: dict[str, Instance], scene: SceneDescription) -> None:
         self._instances, self._scene = instances, scene
         self.lamps = list(dict.fromkeys(i.owner for i in instances.values() if i.parameter.group == "light"))
-        # Materials that light the subject with a share of all light that is seen; dials and diodes do not.
+        # Glows that give the subject a noticeable share of all light; dials and diodes do not.
         least = _SHARE * max(self._radiance(), 1e-6)
         glows = (f"{GLOW}{material}" for material in scene.emitters)
         self.glows = [name for name in glows if self._radiance(name) > least]
@@ -50,7 +51,7 @@ class SceneLights:
         return [name for name in self.lamps if name in playing]
 
     def values(self, effect: Effect, attribute: Attribute) -> list[Instance]:
-        """The parameters on which an effect of a word acts; of a glow, those that stand for a light's."""
+        """The parameters of lights that an effect of a word changes; for a glow, the corresponding ones of its material."""
         glowing = _OF_GLOWS.get(effect.name)
         keys = [
             f"{light}/{glowing}" if light.startswith(GLOW) else f"light/{light}/{effect.name}"
@@ -60,7 +61,7 @@ class SceneLights:
         return [self._instances[key] for key in keys if key in self._instances]
 
     def targets(self, effect: Effect, attribute: Attribute) -> list[str]:
-        """The lights and glows on which an effect of a word acts."""
+        """The names of the lights and glows that an effect of a word changes."""
         owner, role = effect.owner, attribute.role
         own = list(attribute.lights)
         if own and owner not in ("rim", "fill"):
@@ -105,18 +106,18 @@ class SceneLights:
         return [max(lights, key=self._radiance)] if lights else []
 
     def _radiance(self, *lights: str) -> float:
-        """Radiance of a white surface that faces some lights, or all."""
+        """Radiance of a white surface that faces the named lights and glows, or all, at the artist's values."""
         return facing_radiance(self._instances, self._scene, lambda i: i.value, lights or None)
 
 
-_PART = 0.12  # materials on less of their region are parts: tyres, eyes, screws
-_LIKE = 0.25  # where all are parts, share of the largest that those have which make it up: a shelf of a hundred books
+_PART = 0.12  # share of a thing's pixels below which materials are small parts: tires, eyes, screws
+_LIKE = 0.25  # least share relative to the largest part, if all are small parts: a shelf of a hundred books
 _STAYS = "the prompt says that it stays"
-_LOOK = ("base_color", "metallic", "roughness", "transmission")  # they tell small parts from large ones
+_LOOK = ("base_color", "metallic", "roughness", "transmission")  # equal in two materials that look alike
 
 
 class SceneMaterials:
-    """The materials of a scene, with the share of its region's pixels that each covers, where known."""
+    """The materials of a scene. `shares` maps a material to the share of its region's pixels that it covers, if known."""
 
     def __init__(self, instances: Mapping[str, Instance], shares: Mapping[str, float]) -> None:
         self._instances, self._shares = instances, shares
@@ -127,7 +128,7 @@ class SceneMaterials:
         return list(dict.fromkeys(i.owner for i in found))
 
     def targets(self, effect: Effect, attribute: Attribute) -> list[str]:
-        """The materials on which an effect of a word acts."""
+        """The names of the materials that an effect of a word changes."""
         region = attribute.region if effect.owner == "material" else effect.owner
         if effect.owner == "surroundings" and attribute.kind == "sky":
             return []
@@ -135,22 +136,26 @@ class SceneMaterials:
             names = self._whole(list(attribute.owners))
         else:
             names = self.of_region(region if region in ("subject", "surroundings") else "subject")
-            if attribute.slot != "lighting":  # light falls on parts too: no part of a silhouette is lit
+            if attribute.slot != "lighting":  # light falls on small parts, too: all of a silhouette is dark
                 names = self._whole(names)
         recolors = effect.name == "recolor"
         return [name for name in names if not recolors or self._is_recolored(name, effect, attribute)]
 
     def _is_recolored(self, name: str, effect: Effect, attribute: Attribute) -> bool:
-        """True if a word may gray what is then tinted: a surface, or a glow that gets a color itself."""
+        """True if an effect on `recolor`, which grays a texture before it is tinted, applies to this material.
+
+        A glow, a material without `tint`, is grayed only by words about glows or if the word gives it a color; a surface by all words
+        that are not about glows.
+        """
         glow = f"material/{name}/tint" not in self._instances
         if attribute.kind == "glow":
             return glow
         return not glow or (attribute.color is not None and effect.owner == "material")
 
     def _whole(self, names: list[str]) -> list[str]:
-        """Of the materials of a thing those that make it up, and small ones that look like these: "red car" means no tyres."""
+        """The main materials of a thing, and small ones that look like them: "red car" does not mean its tires."""
         shares: dict[str, float] = {}
-        for name in names:  # all of a kind, or none: not the one tyre that is seen best
+        for name in names:  # by kind, so that all four tires are treated alike
             kind = kind_of(name)
             shares[kind] = shares.get(kind, 0.0) + self._shares.get(name, 1.0)
         made_up = [n for n in names if not is_detail(n)] or names
@@ -168,15 +173,16 @@ class SceneMaterials:
         return tuple(tuple(round(v, 2) for v in i.value) if i else () for i in values)
 
 
-BACKDROP = "world/backdrop_strength"  # there, if what the camera sees of the world is not what lights
+BACKDROP = "world/backdrop_strength"  # exists if the camera sees another background than the one that lights
 _OF_BACKDROP = {"color": "backdrop_color", "tint": "backdrop_tint", "strength": "backdrop_strength"}
-"""The world's parameters -> those of its backdrop."""
-SEEN, _SHED = ("surroundings", "sky"), ("share", "times", "gel")  # kinds: seen of it; modes: its light
-SLIVER = 0.05  # of the surroundings: so little world counts as none
+"""Parameter of the world -> the same parameter of its backdrop."""
+SEEN, _SHED = ("surroundings", "sky"), ("share", "times", "gel")
+"""Kinds of targets that mean the visible background; modes of effects on the world's light alone, not on its backdrop."""
+SLIVER = 0.05  # share of the surroundings below which the visible world counts as none
 
 
 class Owners:
-    """The instances that an effect of a word acts on."""
+    """Finds the instances that an effect of a word changes."""
 
     def __init__(self, parsed: Parsed, instances: dict[str, Instance], scene: SceneDescription) -> None:
         self._parsed, self._instances, self._world_share = parsed, instances, scene.world_share
@@ -184,7 +190,7 @@ class Owners:
         self.lights = SceneLights(instances, scene)
 
     def of(self, effect: Effect, attribute: Attribute) -> list[Instance]:
-        """The instances of an effect's family that an attribute means; may be empty."""
+        """The instances of an effect's family that belong to the target of a word; may be empty."""
         group = OWNERS[effect.owner]
         if group == "light":
             return self.lights.values(effect, attribute)
@@ -198,20 +204,20 @@ class Owners:
         return [self._instances[key] for key in keys if key in self._instances]
 
     def gives_backdrop(self, wish: Wish, effect: Effect) -> bool:
-        """True if a word gives what is seen of the world a color of its own: "cream background"."""
+        """True if a word gives the visible background a color of its own: "cream background"."""
         attribute = wish.attribute
         colored = attribute.kind == "surroundings" and attribute.color and not attribute.cause
         return bool(colored) and any(i.key.startswith("world/backdrop_") for i in self.of(effect, attribute))
 
     def world_is_hidden(self) -> bool:
-        """True if surfaces fill all that the camera sees."""
+        """True if surfaces fill nearly all of the camera's view, so that the world is not visible."""
         share = self._world_share
         return share is not None and share < SLIVER and bool(self.materials.of_region("surroundings"))
 
     def _of_world(self, effect: Effect, attribute: Attribute) -> list[str]:
-        """The world's parameter, its backdrop's, or both: a white background is seen, warm light is shed, a night is both."""
+        """The world's parameter (warm light), its backdrop's (a white background), or both (a night)."""
         own = _OF_BACKDROP.get(effect.name) if BACKDROP in self._instances else None
-        # surroundings are no world where an object is named, or a sky
+        # If the prompt names materials or a sky, words for the surroundings do not mean the world.
         elsewhere = attribute.owners or any(a.kind == "sky" for a in self._parsed.attributes)
         if attribute.kind == "surroundings" and effect.mode != "times" and elsewhere:
             return []

@@ -18,32 +18,32 @@ from .owners import protected
 from .ranges import clip
 from .types import Plan, PlanEntry
 
-_LIGHTNESS = 65.0  # L* at which a cast is taken for a color
+_LIGHTNESS = 65.0  # L* of the color that a cast is turned into
 _STRONGER, _WEAKER = 1.6, 0.5
-"""Factors of the strongest cast that a light's color may reach, since other light lies over it, and how much weaker than
-any. A range up to white would hold hues that are in no cast: pink and yellow beside orange."""
-_FEW_HUES = 0.0  # cosine between the hues of two casts from where each has a light of its own
-_PALE, _COLORFUL = 6.0, 16.0  # mean C* of a gray picture, and how much more keeps all paint's saturation
-_STRONG = 6.0  # C* of a cast whose hue counts
-HELD_LIGHTLY = 0.05  # pull of what a picture lets move to the artist's value: of two ways, the nearer
-_LIT = ("light/color", "world/color")  # families that take the hues of the picture's casts
+"""Factors on a cast for the ends of a light's range of colors. The strong end exceeds the cast because other light lies over it.
+A weak end at white would put hues of no cast into the range: pink and yellow next to orange."""
+_FEW_HUES = 0.0  # cosine between the hues of two casts below which each has a light of its own
+_PALE, _COLORFUL = 6.0, 16.0  # mean C* of a gray image, and C* above that at which paint keeps all saturation
+_STRONG = 6.0  # C* above which the hue of a cast counts
+HELD_LIGHTLY = 0.05  # `PlanEntry.prior` of values that a reference image lets move: of two ways, the nearer
+_LIT = ("light/color", "world/color")  # families that take the hues of the image's casts
 UNTOUCHED = "the picture does not speak of it: keeps the artist's value"
 
 
 @dataclass(frozen=True)
 class LightColors:
-    """The colors that light may have: on the line between the two ends of a range, for more than one line has more hues."""
+    """The colors that light may have: for each light a range between two colors of one hue, since a wider one has more hues."""
 
-    key: tuple[Values, Values]  # of key lights: lower and upper end, linear, in [0, 1]
-    fill: tuple[Values, Values]  # of all other light, that of the world included
-    paint: float  # saturation that paint keeps at least, so that a colorful picture makes nothing gray
+    key: tuple[Values, Values]  # for key lights: lower and upper end, linear, in [0, 1]
+    fill: tuple[Values, Values]  # for all other light, including the world
+    paint: float  # least saturation of the film in [0, 1], so that a colorful image keeps the colors of paint
 
 
 def light_colors(claims: Sequence[ClaimText]) -> LightColors:
-    """The colors that the casts among some claims ask for.
+    """The colors of light that the claims about casts ask for.
 
-    All light takes the hue of the strongest cast. Where there is another one more than 90 degrees of hue apart, as teal
-    beside orange, each has its own light: the key that of the picture's lights, all other light the opposite one.
+    All light takes the hue of the strongest cast. If another cast is more than 90 degrees of hue apart, as teal is from orange, each
+    has a light of its own: the key takes the cast of the image's highlights, and all other light the opposite one.
     """
     casts = [_middle(claim) for claim in claims if claim.measure in CASTS] or [(0.0, 0.0)]
     lights = [_middle(claim) for claim in claims if claim.measure == "highlight_cast"]
@@ -59,7 +59,7 @@ def light_colors(claims: Sequence[ClaimText]) -> LightColors:
 
 
 def _line(cast: tuple[float, float], casts: Sequence[tuple[float, float]]) -> tuple[Values, Values]:
-    """From a stronger one than a cast to a weaker one than any of its hue."""
+    """The range of light colors from stronger than a cast to weaker than all casts of a similar hue."""
     alike = [each for each in casts if _cosine(each, cast) >= _FEW_HUES]
     ends = [_color(*cast), *(_color(a, b, _WEAKER) for a, b in alike)]
     return ends[0], tuple(map(max, zip(*ends, strict=True)))
@@ -71,7 +71,7 @@ def _middle(claim: ClaimText) -> tuple[float, float]:
 
 
 def _color(a: float, b: float, times: float = _STRONGER) -> Values:
-    """Linear color of light for so many times a cast, its greatest component 1."""
+    """Linear color of light for a cast (a*, b*) times a factor, scaled to a largest component of 1."""
     linear = linear_from_srgb(srgb_from_lab((_LIGHTNESS, times * a, times * b)))
     return tuple(v / max(linear) for v in linear)
 
@@ -84,7 +84,10 @@ def _cosine(one: tuple[float, float], other: tuple[float, float]) -> float:
 def plan_with_picture(
     plan: Plan, goals: Goals, instances: Mapping[str, Instance], vocabulary: Vocabulary
 ) -> Plan:
-    """A plan of words, with what a picture's wishes let change of what words do not name; without a picture the same plan."""
+    """A plan of words, extended by a reference image; without one the same plan.
+
+    Values that words name keep their entries. Of the rest, only those that the image's wishes are about may change.
+    """
     pictured = goals_with_picture(goals, vocabulary).pictured
     if not pictured:
         return plan
@@ -95,10 +98,10 @@ def plan_with_picture(
 
 
 def entries_of(pictured: Sequence[Wish], instances: Mapping[str, Instance]) -> dict[str, PlanEntry]:
-    """Entries of what a picture's wishes let change, by key; what is locked is left out.
+    """Key -> entry of each value that a reference image's wishes let change; locked values are left out.
 
-    Colors of light are those of the casts that the wishes claim, except for a picture of the same scene, which has its colors place
-    by place. Wishes that claim nothing of the image, as those of a panorama of light, name the values themselves.
+    Colors of light are those of the casts that the wishes claim. An image of the same scene has claims for each place instead, so
+    its casts are not used. Wishes without claims, as those of an HDRI panorama, name the values themselves.
     """
     claims = [claim for wish in pictured for claim in wish.claims if claim.weight]
     effects = [(wish.attribute.entry, effect) for wish in pictured for effect in wish.effects]
@@ -130,7 +133,7 @@ def _acts_on(effect: Effect, instance: Instance) -> bool:
 
 
 def _lit(colors: LightColors, instance: Instance) -> tuple[Values, Values]:
-    """Ends for a color of light, as dark as the artist's or lighter, without hues between the artist's and those of the casts."""
+    """The range of a light's color: the hue of the casts alone, from the artist's brightness up to the weakest cast."""
     level = max(instance.value)
     strong, weak = colors.key if instance.role == "key" else colors.fill
     lower = tuple(max(level * v, least) for v, least in zip(strong, instance.lower, strict=True))
@@ -138,7 +141,7 @@ def _lit(colors: LightColors, instance: Instance) -> tuple[Values, Values]:
 
 
 def _range(effect: Effect, instance: Instance) -> tuple[Values, Values]:
-    """The ends for an instance, which may be beyond its bounds."""
+    """The range of an effect for an instance, in its unit; it may exceed the hard bounds."""
     modes = {"times": operator.mul, "plus": operator.add}
     act = modes.get(effect.mode, lambda _, end: end * instance.reference)
     times = len(instance.value) // len(effect.lower)

@@ -24,34 +24,34 @@ from .types import LEFT_ALONE, LightPlan, Plan, PlanEntry
 
 @dataclass(frozen=True)
 class WishedRange:
-    """A wish, projected on one parameter."""
+    """The range that a wish asks for of one parameter."""
 
     key: str
     lower: Values
     upper: Values
     wish: Wish
     reason: str  # for the artist; quotes the word
-    weak: bool  # a default, which gives way silently
-    priority: int
-    usual: bool = False  # what a place usually has: it counts only where no other word is about the parameter
+    weak: bool  # whether it is a default, which is overridden without a note
+    priority: int  # as in `PlanEntry`
+    usual: bool = False  # whether a place usually has it: it counts only if no other word sets the parameter
     start: Values | None = None  # as in `PlanEntry`
-    any_hue: bool = False  # likewise
+    any_hue: bool = False  # as in `PlanEntry`
 
     @property
     def rank(self) -> tuple[bool | int, ...]:
-        """As `Wish.rank`, with what counts of this parameter alone."""
+        """The sort key of a conflict over one parameter, the smallest wins: parts of `Wish.rank`, and the range's own priority."""
         _, _, usual, implied, general, paint, vague, _, _ = self.wish.rank
         return self.weak, usual, implied, paint, self.priority, general, vague
 
     @property
     def is_plain(self) -> bool:
-        """True if it is said, and is no default."""
+        """True if the prompt itself asks for it: it is no default, and neither implied nor usual."""
         return not (self.weak or self.wish.implied or self.wish.usual)
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """The range that is left for one parameter, and the ranges that it comes from, the first in rank first."""
+    """The range that all winners of a conflict over one parameter leave, and these winners, the first in rank first."""
 
     lower: Values
     upper: Values
@@ -59,7 +59,7 @@ class Agreement:
 
 
 class Agreements:
-    """The ranges that wishes leave each other; `of` has them by the parameter's key."""
+    """Resolves conflicts of wishes over parameters; `of` maps a parameter's key to the range that remains."""
 
     def __init__(self) -> None:
         self.of: dict[str, Agreement] = {}
@@ -67,8 +67,8 @@ class Agreements:
         self._lost: dict[tuple[str, str], dict[str, None]] = {}
 
     def add(self, ranges: Iterable[WishedRange]) -> None:
-        """Takes more ranges, and finds anew what is left of their parameters."""
-        keys: dict[str, None] = {}  # a set would be in another order each time
+        """Adds ranges, and resolves the conflicts over their parameters anew."""
+        keys: dict[str, None] = {}  # a set would have another order in each process
         for each in ranges:
             self._ranges.setdefault(each.key, []).append(each)
             keys[each.key] = None
@@ -76,19 +76,19 @@ class Agreements:
             self.of[key] = self._agreement(sorted(self._ranges[key], key=lambda r: r.rank))
 
     def value(self, instance: Instance) -> Values:
-        """The artist's value, projected into what is left so far."""
+        """The artist's value, or the start that words name, projected into the range that remains so far."""
         found = self.of.get(instance.key)
         if found is None:
             return instance.value
         return within(found.winners[0].start or instance.value, found.lower, found.upper)
 
     def notes(self) -> Iterator[str]:
-        """Says which words gave way to which on a parameter that both need."""
+        """Sentences on words that are overridden by others, with the parameters that both need."""
         for (loser, winner), keys in self._lost.items():
             yield f"'{loser}' gives way to '{winner}' on {labels.titles(list(keys))}: both need it."
 
     def _agreement(self, ranked: list[WishedRange]) -> Agreement:
-        """The first range, narrowed by the others that have something in common with it."""
+        """The range of highest rank, narrowed by each further one that overlaps with what remains."""
         first, *others = ranked
         lower, upper, winners = first.lower, first.upper, [first]
         for each in others:
@@ -97,7 +97,7 @@ class Agreements:
             low, high = tuple(map(max, lower, each.lower)), tuple(map(min, upper, each.upper))
             agrees = all(a <= b for a, b in zip(low, high, strict=True))
             both_plain = first.is_plain and each.is_plain
-            if agrees and not first.start:  # what is left of a named color's room would be another color
+            if agrees and not first.start:  # a named color's range is not narrowed: that would change its hue
                 lower, upper, winners = low, high, [*winners, each]
             elif both_plain and each.reason != first.reason and (each.start or not agrees):
                 pair = each.wish.attribute.word, first.wish.attribute.word
@@ -106,7 +106,7 @@ class Agreements:
 
 
 def reason_of(attribute: Attribute, phrase: str) -> str:
-    """Quotes the word: "'glossy': glossy, with bright reflections", "'warm' in 'cosy'"."""
+    """The reason of a range, which quotes the word: "'shiny' (glossy, with bright reflections)", "'cosy' means 'warm'"."""
     if attribute.cause:
         return f"'{attribute.cause}' means '{attribute.word}'"
     what = f" on the {attribute.thing}" if attribute.color and attribute.thing else ""
@@ -114,17 +114,17 @@ def reason_of(attribute: Attribute, phrase: str) -> str:
     return f"'{attribute.word}'{what}" + (f" ({phrase})" if plain else "")
 
 
-_OF_SHADOWS = ("size", "angle")  # they begin well inside: edges of shadows have slopes that say little
-_WELL_INSIDE = 0.75  # from the end nearer to the artist's value: a sun's shadows are hard, not just harder
-_RELATIVE = ("shade", "times", "plus", "near", "lightness")  # on what a thing has, also by its material
-_SEEN_GLOW = 0.02  # emission from which a material glows
+_OF_SHADOWS = ("size", "angle")  # their search starts well inside the range: shadow edges give weak gradients
+_WELL_INSIDE = 0.75  # share of the range from its end nearer to the artist's value, on a log scale
+_RELATIVE = ("shade", "times", "plus", "near", "lightness")  # modes that start from the present value
+_SEEN_GLOW = 0.02  # emission above which a material visibly glows
 _GRADES = {
     "film/contrast": (0.8, 1.3), "film/saturation": (0.0, 1.45), "film/vignette": (0.0, 0.5),
     "film/lift": (0.94, 1.06), "film/midtone": (0.85, 1.15), "film/gain": (0.8, 1.2),
 }  # fmt: skip
-"""Ends of a grade next to a rig, which is most of a look."""
-_FAINT = 0.1  # share of its power with which a light begins that is added beside what is there
-_SECOND = 6  # how much later a mood's own words come than the prompt's
+"""Limits of the grade next to a rig, whose light already makes most of the look."""
+_FAINT = 0.1  # share of its least power at which a light begins that a further sentence adds
+_SECOND = 6  # added to the priority number of what a mood implies: the prompt's own words come first
 
 
 def plan(
@@ -134,24 +134,24 @@ def plan(
     vocabulary: Vocabulary | None = None,
     light: LightPlan | None = None,
 ) -> Plan:
-    """Decides what may happen to every parameter of a scene, given by key.
+    """The plan of a scene: for each of its parameters, given by key, how far the search may move it, and why.
 
-    What words name gets a range (projection moves the value inside) and a priority; a few others may move a little to
-    keep the subject visible; the rest keeps the artist's value. Without a vocabulary, the artist's own counts.
+    A parameter that words name gets a range, into which its value is moved, and a priority. A few others may move a little to
+    keep the subject visible. The rest keeps the artist's value.
     """
     light = light or LightPlan()
     planner = _Planner(goals, instances, scene, vocabulary or default_vocabulary(), light)
     entries = planner.entries()
     lit = {key: entry for key, entry in light.entries.items() if not planner.instances[key].locked}
-    if any(planner.owners.gives_backdrop(*act) for act in planner.acts):  # no setup's sky
+    if any(planner.owners.gives_backdrop(*act) for act in planner.acts):  # it replaces the rig's sky
         lit = {key: entry for key, entry in lit.items() if not key.startswith("world/backdrop_")}
     entries |= lit
     support = supports(goals.parsed, planner.instances, planner.sources, entries, planner.owners)
-    if goals.holds:  # nothing but what the sentence needs
+    if goals.holds:  # of the supports a further sentence keeps only exposure and added lights
         entries |= _faint(entries, planner.instances, scene.added_lights)
         support = {k: e for k, e in support.items() if k == "film/exposure" or e.prior == 0.0}
-    if light.served:  # exposed as the rig wants it, and graded so that its light keeps contrast and colors
-        if "volume/density" not in entries or not entries["volume/density"].is_named:  # air takes light
+    if light.served:  # the rig sets the exposure; a limited grade keeps the contrast and colors of its light
+        if "volume/density" not in entries or not entries["volume/density"].is_named:  # fog takes light
             support.pop("film/exposure", None)
         graded = {key: ends for key, ends in _GRADES.items() if key in entries and entries[key].is_named}
         entries |= {key: _mild(entries[key], *ends) for key, ends in graded.items()}
@@ -163,7 +163,7 @@ def plan(
 def _faint(
     entries: Mapping[str, PlanEntry], instances: Mapping[str, Instance], added: Collection[str]
 ) -> dict[str, PlanEntry]:
-    """Entries for the power of added lights, which may be faint beside what is there."""
+    """Entries for the power of added lights, which start faint next to the present light."""
     power = (
         k for k in entries if instances[k].parameter.family == "light/power" and instances[k].owner in added
     )
@@ -205,7 +205,7 @@ class _Planner:
         return entries
 
     def _of_materials(self) -> dict[str, Values]:
-        """Key -> the value that a parameter has by the material that a word names."""
+        """Key -> the value that a parameter gets from a material that a word names, as "oak"."""
         found = {}
         for wish, effect in self.acts:
             if wish.attribute.slot != "material" or effect.mode not in ("", "color"):
@@ -217,7 +217,7 @@ class _Planner:
         return found
 
     def _unmet(self) -> list[str]:
-        """Words whose main wish no part of the scene can fulfill: a rim light where there is only one light."""
+        """Notes on words whose main effect has nothing to change in the scene, as "rim light" in a scene with one light."""
         missing: dict[str, str] = {}
         for attribute in self.parsed.attributes:
             strong = [e for w, e in self.acts if w.attribute == attribute and not e.weak]
@@ -233,11 +233,11 @@ class _Planner:
         return [f"'{w}' is not fully possible here: the scene has no {what}." for w, what in missing.items()]
 
     def _ranges(self, wish: Wish, effect: Effect) -> Iterator[WishedRange]:
-        """A wish's ranges of the parameters that one of its effects is about."""
+        """The ranges that one effect of a wish asks for, one for each parameter that it changes."""
         for instance in self.owners.of(effect, wish.attribute):
             is_added = instance.owner in self.sources.scene.added_lights
             if is_added and effect.mode == "times" and effect.name == "power":
-                if effect.lower[0] >= 1.0:  # words ask for the light: it has nothing to be stronger than
+                if effect.lower[0] >= 1.0:  # a new light has no earlier power that it could exceed
                     continue
                 instance = replace(instance, value=added_power(instance, self.sources))
             elif effect.mode in _RELATIVE and instance.key in self.of_materials:
@@ -253,7 +253,7 @@ class _Planner:
         lower, upper = effect_range(effect, attribute, instance, sources)
         glows = effect.family == "material/emission" and not effect.mode and effect.lower[0] > 0
         if glows and wish.strength >= 1 and self._glow(instance.owner) > lower[0]:
-            upper = max(upper, instance.value)  # what glows more than "glowing" asks for gets no darker by it
+            upper = max(upper, instance.value)  # a glow that is already stronger than asked for may stay
         return WishedRange(
             instance.key,
             lower,
@@ -264,15 +264,15 @@ class _Planner:
             self._priority(wish, effect, instance),
             is_usual(wish, effect),
             start=named_color(effect, attribute, instance, sources) if effect.color else None,
-            # From faint to strong: no box whose corners are other hues. Light gets warmer, a wall only darker.
+            # A film's cast, and light that moves around its color, may change hue; a material keeps its hue.
             any_hue=effect.mode == "cast" or (effect.mode == "near" and OWNERS[effect.owner] != "material"),
         )
 
     def _priority(self, wish: Wish, effect: Effect, instance: Instance) -> int:
-        """The rank of a range; the least counts most."""
+        """The priority of a range; the smaller, the more important."""
         light = f"{GLOW}{instance.owner}" if instance.parameter.group == "material" else instance.owner
         of_others = effect.owner == "lights" and light not in self.owners.lights.key
-        # A color that is named comes before a word that only changes it: "a teal ball, the ball darker".
+        # A named color comes before a word that only changes a color: "a teal ball, the ball darker".
         changes = effect.mode == "times" and instance.parameter.kind == "color"
         late = 2 * effect.weak + 2 * of_others + changes
         return effect.priority + late + (_SECOND if wish.implied else 0)
@@ -287,7 +287,7 @@ class _Planner:
         self.sources = replace(self.sources, world=world, backdrop=backdrop)
 
     def _world(self, part: str, level: float) -> WorldLook:
-        """The settled look of the world, or of its backdrop, whose picture has a mean luminance."""
+        """The look of the world (`part` "") or of its backdrop by the ranges so far; `level` is its image's mean luminance."""
         color, tint = (self.instances.get(f"world/{part}{name}") for name in ("color", "tint"))
         if color:
             return WorldLook(self.agreed.value(color))
@@ -297,12 +297,12 @@ class _Planner:
         named = [a for a in self.parsed.attributes if a.kind == "subject" and a.color and not a.negated]
         if named and named[0].color:
             return named[0].color
-        # the color that a material has
+        # else the color of the material itself
         found = (self.instances.get(f"material/{owner}/{name}") for name in ("base_color", "tint"))
         return next((srgb_from_linear(self.agreed.value(i)) for i in found if i), (1.0, 1.0, 1.0))
 
     def _glow(self, owner: str) -> float:
-        """The strength of a material's glow as the artist has it, in the unit of its emission."""
+        """The artist's emission of a material, times the largest component of its color; 0 without one."""
         strength, color = (
             self.instances.get(f"material/{owner}/{n}") for n in ("emission", "emission_color")
         )
@@ -336,14 +336,14 @@ class _Planner:
 
 
 def _mild(entry: PlanEntry, low: float, high: float) -> PlanEntry:
-    """A named range within ends; it does not open while claims are missed."""
+    """A named range, limited to [low, high]; it does not open while claims are missed."""
     lower, upper = (tuple(min(max(v, low), high) for v in end) for end in (entry.lower, entry.upper))
     start = entry.start and tuple(min(max(v, low), high) for v in entry.start)
     return replace(entry, lower=lower, upper=upper, start=start, usual=True)
 
 
 def _start(instance: Instance, first: WishedRange, lower: Values, upper: Values) -> Values | None:
-    """The start of the search for a value; None for the artist's, or the nearest in its range."""
+    """The value at which the search starts; None for the artist's value, projected into the range."""
     moved = not math.isclose(instance.value[0], within(instance.value, lower, upper)[0], rel_tol=1e-6)
     if instance.parameter.name in _OF_SHADOWS and moved:
         near, far = (lower, upper) if instance.value < lower else (upper, lower)

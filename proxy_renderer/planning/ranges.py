@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From one effect of a word to a range of one parameter instance, in the parameter's unit."""
+"""From one effect of a word to the range of one parameter instance, in the parameter's unit."""
 
 import math
 
@@ -18,26 +18,26 @@ from ..words.lexicon.entries import Effect
 from ..words.types import Attribute
 from .light_levels import Range, Sources, kelvin_color, radiance, watts
 
-_BLACKEST, _WHITEST = 0.006, 0.85  # hardly a real surface reflects less, or more
-_BLACK = 0.02  # component below which a backdrop is black
-_SEEN = 0.7  # relative departure from gray that a tint has at least
-_DEEP = 0.4  # of the scale below: the box of a darker color is smaller, as its hues are nearer
-_MOOD = 0.6  # of a tint, where light, air and film share it: things keep some color of their own
-_BOX = 0.06  # half the width of a color's box, in steps that look even
+_BLACKEST, _WHITEST = 0.006, 0.85  # linear reflectance: hardly any real surface reflects less, or more
+_BLACK = 0.02  # linear component up to which a backdrop is black
+_SEEN = 0.7  # least relative distance from gray of a color that tints the film: pale ones are strengthened
+_DEEP = 0.4  # largest display component below which a color's range is narrower: dark hues are nearer
+_MOOD = 0.6  # factor on a tint that light, air and film share: objects keep some color of their own
+_BOX = 0.06  # half the width of a color's range, in display components (linear to the power 1/2.2)
 _LESS, _MORE = (0.65, -0.1), (1.35, 0.15)
-"""Ends of a surface's components, on the same scale: a share of the named color's, and what is added to that. Claims find
-what looks as named under the scene's light and view."""
-_SHOWN = (0.5, 3.0)  # multiples of a color's brightest component that a backdrop may have
-_GLOW = (0.8, 0.0), (1.0, 0.1)  # the same of a glow: how bright it is, its strength says
-_CAST, _EVEN = (0.6, 1.5), 0.01  # shares of a film's usual tint for claims, and a component's leeway
+"""Lower and upper end of a surface's range: factor on the named color's display components, and what is added to them. The range
+is wide: claims find the color in it that looks as named under the scene's light and view."""
+_SHOWN = (0.5, 3.0)  # least and largest strength of a backdrop, times its color's largest component
+_GLOW = (0.8, 0.0), (1.0, 0.1)  # as `_LESS` and `_MORE`, for the color of a glow, whose strength is separate
+_CAST, _EVEN = (0.6, 1.5), 0.01  # least and largest cast of the film, times the usual one; component's margin
 _DARKER, _LIGHTER = {"darker"}, {"lighter", "paler"}
 _STEP = 0.6  # luminance of a color that is clearly darker than another, as a share of the other's
 OWN_COLOR = ("base_color", "tint")  # parameters that hold a material's color
-_NEUTRAL_BOX = 0.02  # the same for white and gray: a little tint makes them another color
+_NEUTRAL_BOX = 0.02  # as `_BOX`, for white and gray: a little tint makes them another color
 
 
 def named_color(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Values | None:
-    """The linear color that a word gives to a surface, to a glow, or to what is seen of the world; None for all else."""
+    """The linear color that a word gives to a surface, a glow or the visible background; None for other effects and parameters."""
     seen = effect.mode == "shown" and (effect.color in ("@", "own") or instance.parameter.group == "world")
     if instance.parameter.kind == "color" and (seen or (effect.mode == "color" and effect.color == "@")):
         return painted(effect, attribute, instance, sources)
@@ -47,7 +47,7 @@ def named_color(effect: Effect, attribute: Attribute, instance: Instance, source
 def color_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
     """The range that an effect with a color asks for; not clipped."""
     if named := named_color(effect, attribute, instance, sources):
-        # all that may look like it in some light: darker and lighter, and purer or paler
+        # All colors that may look as named in some light: darker or lighter, purer or paler
         shown = [max(v, 0.0) ** (1 / 2.2) for v in named]
         ends = _GLOW if instance.parameter.name == "emission_color" else (_LESS, _MORE)
         lower, upper = (tuple(max(a * v + b, 0.0) ** 2.2 for v in shown) for a, b in ends)
@@ -65,10 +65,10 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
 
 
 def painted(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Values:
-    """The linear color that an effect is about, as its parameter holds it."""
+    """The linear color that an effect asks for, in the form that its parameter stores: as a gel, an albedo or a tint."""
     srgb = _color_of(effect, attribute, sources)
     if effect.mode == "gel":
-        muted = 1.0 - min(srgb) / max(max(srgb), 1e-6)  # a muted color makes little of a tint
+        muted = 1.0 - min(srgb) / max(max(srgb), 1e-6)  # a muted color tints the light only a little
         linear = _gel(linear_from_srgb(srgb), 0.9 * (_MOOD * muted if attribute.kind == "ambience" else 1.0))
     elif effect.mode == "albedo":
         # fog scatters many times: it is paler and much brighter than the color it is named for; black fog is smoke
@@ -120,7 +120,7 @@ def beyond_present(low: Values, high: Values, attribute: Attribute, instance: In
 
 
 def _box(linear: Values) -> Range:
-    """All that looks about like a linear color: even steps on the screen's scale."""
+    """The range of colors that look about like a linear color: an equal margin in each display component."""
     shown = [max(v, 0.0) ** (1 / 2.2) for v in linear]
     neutral = max(shown) - min(shown) < _NEUTRAL_BOX and min(shown) > 0.25
     half = _NEUTRAL_BOX if neutral else _BOX * min(max(max(shown) / _DEEP, 0.5), 1.0)
@@ -134,7 +134,7 @@ def _gel(linear: Values, purity: float) -> Values:
 
 
 def _cast(linear: Values, amount: float) -> Values:
-    """A tint of the film; that of a pale color has to be seen too."""
+    """Factors (R, G, B) around 1 by which the film gets a cast of a linear color; a pale color gets a visible cast, too."""
     gel = _gel(linear, 1.0)
     mean = sum(gel) / 3
     away = [(v - mean) / max(mean, 0.2) for v in gel]
@@ -144,7 +144,7 @@ def _cast(linear: Values, amount: float) -> Values:
 
 
 def _shown_strength(srgb: Values, instance: Instance, sources: Sources) -> Range:
-    """Strength at which a world of the "shown" color looks as named; white as white, not gray."""
+    """The strengths at which a world with the "shown" color looks as named: white looks white, not gray."""
     scene = sources.scene
     if lab_from_srgb(srgb)[0] > 93:
         ends = tuple(radiance(goal, scene.view) for goal in (88.0, 93.0))
@@ -157,14 +157,14 @@ def _shown_strength(srgb: Values, instance: Instance, sources: Sources) -> Range
 
 _MIDDLE = 45.0  # L* that neither brightens nor darkens; "slightly" moves towards it
 _IN_PLACE_OF_KEY = Effect("world", "strength", "lightness", (62.0,), (88.0,))
-_LEAST_COMPONENT = 0.25  # of a glow's greatest: what lacks a color cannot be tinted to have it
+_LEAST_COMPONENT = 0.25  # least divisor of a tint, relative to a glow's largest component
 _NEUTRAL, _KELVIN, _WARM_TO_COOL = 6500.0, (1200.0, 16000.0), (2700.0, 11000.0)
-_OFF_WHITE = 50.0  # degrees of hue from warm and from cool light
+_OFF_WHITE = 50.0  # degrees of hue from warm and from cool light, beyond which a glow has no temperature
 _AS_NAMED = (
     "azimuth", "elevation", "rotation", "ior", "base_color", "color", "specular_tint", "tint", "backdrop_color",
     "backdrop_tint",
 )  # fmt: skip
-"""Parameters of which there is no less and no more: directions and colors."""
+"""Parameters that "slightly" and "very" do not change: directions and colors."""
 
 
 def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
@@ -196,7 +196,7 @@ def within(values: Values, lower: Values, upper: Values) -> Values:
 
 
 def clip(low: Values, high: Values, instance: Instance) -> Range:
-    """Componentwise intersection with the hard bounds; what lies outside becomes the nearest bound."""
+    """A range, limited to the hard bounds in each component; an end outside becomes the nearest bound."""
     lower, upper = (within(_spread(end, instance), instance.lower, instance.upper) for end in (low, high))
     return lower, tuple(map(max, lower, upper))
 
@@ -204,7 +204,7 @@ def clip(low: Values, high: Values, instance: Instance) -> Range:
 def scaled(
     low: float, high: float, neutral: float, strength: float, bounds: tuple[float, float]
 ) -> tuple[float, float]:
-    """A range moved towards the neutral value for "slightly", away from it for "very"; one around it stays."""
+    """A range, moved toward the neutral value for "slightly", away from it for "very". One that surrounds the value stays."""
     if strength == 1.0 or (low <= neutral <= high and not (low == neutral or high == neutral)):
         return low, high
     if strength < 1.0:
@@ -225,7 +225,7 @@ def _computed_glow(instance: Instance, sources: Sources) -> Values:
 
 
 def _over_glow(low: Values, high: Values, own: Values) -> Range:
-    """The tints that turn the mean color of a computed glow into those of a range, as far as its components allow."""
+    """The range of tints that turn a glow's computed mean color, `own`, into the colors of a range, as far as it allows."""
     if max(own) - min(own) < 1e-3:
         return low, high
     least = _LEAST_COMPONENT * max(*own, 1e-6)
@@ -238,7 +238,7 @@ def _over_glow(low: Values, high: Values, own: Values) -> Range:
 
 
 def _glow_color(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
-    """Colors of a glow between two temperatures; one of a color that no temperature has keeps it."""
+    """The range of a glow's color between two temperatures; a glow with a hue of no temperature is only tinted by them."""
     computed = _computed_glow(instance, sources)
     color = tuple(a * b for a, b in zip(instance.value, computed, strict=True))
     own = srgb_from_linear(tuple(v / max(*color, 1e-6) for v in color))
@@ -264,7 +264,7 @@ def _plain(effect: Effect, strength: float, instance: Instance, _: Sources) -> R
 
 
 def _times(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
-    """Multiples of the artist's value; one that is hardly above nothing counts as a little."""
+    """Multiples of the artist's value; for an increase, a value near 0 counts as a small one, so that it can grow."""
     scalar, logs = instance.parameter.kind == "scalar", instance.parameter.scale.name == "log"
     least = tuple(10 * v for v in instance.lower) if logs else tuple(0.01 * v for v in instance.upper)
     floor = least if scalar else (0.0,) * len(instance.value)
@@ -290,7 +290,7 @@ def _near(effect: Effect, strength: float, instance: Instance, _: Sources) -> Ra
 
 
 def _shade(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
-    """The artist's color made lighter or darker, and more or less of a color."""
+    """The range around the artist's color when its lightness and its chroma change by the effect's two numbers."""
     own = srgb_from_linear(instance.value)
     corners = [
         linear_from_srgb(relative_shade(own, lighter, chroma, strength))
@@ -319,7 +319,7 @@ def _lightness(effect: Effect, strength: float, instance: Instance, sources: Sou
 
 
 def _share(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
-    """Strengths that are shares of the key's light; a world that is the only light takes the key's place."""
+    """Strengths that give shares of the key's light; in a scene without a key, the lightness of `_IN_PLACE_OF_KEY`."""
     if not sources.key:
         return _lightness(_IN_PLACE_OF_KEY, 1.0, instance, sources)
     if instance.parameter.group == "world":
@@ -330,18 +330,18 @@ def _share(effect: Effect, strength: float, instance: Instance, sources: Sources
 
 
 def facing_white(instance: Instance, low: float, high: float, sources: Sources) -> Range:
-    """Powers of a light at which a white surface that faces it is displayed with these L*."""
+    """The range of a light's power at which a white surface that faces it is displayed with L* from `low` to `high`."""
     effect = Effect("light", "power", "lightness", (low,), (high,))
     return clip(*_lightness(effect, 1.0, instance, sources), instance)
 
 
 def _fade(goal: float, light: float) -> float:
-    """Very dark and very light colors have little chroma."""
+    """Factor on the chroma of a color of lightness `light` that gets the lightness `goal`: darker colors have less chroma."""
     return min(1.0, goal / max(light, 10.0))
 
 
 def _azimuth(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
-    """The range nearest to the artist's value among those that mean the same direction."""
+    """Of all ranges of azimuth that mean the same direction, the nearest to the artist's value."""
     low, high, camera = effect.lower[0], effect.upper[0], sources.scene.camera_azimuth
     sides = [(low, high)] if effect.mode == "camera" else [(low, high), (-high, -low)]
     turns = [(camera + a + 360 * k, camera + b + 360 * k) for a, b in sides for k in (-2, -1, 0, 1, 2)]

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Values that claims may need though no word names them, and lights and a backdrop that the scene lacks.
+"""Supporting parameters, which claims may need though no word names them, and lights and a backdrop that the scene lacks.
 
-The subject has to stand out, and neither burn nor drown in black: the paper's own failure is under-exposure of dark materials
-(section 4.2). Entries only say how far from the artist's values the search may look; whether and where to is for the claims.
-Exposure, lights, world and grade support the words; no material does.
+The subject has to stand out, and be neither overexposed nor black: the paper's own failure is under-exposure of dark materials
+(section 4.2). Entries only say how far from the artist's values the search may go; claims decide whether it goes there.
+Exposure, lights, world and grade can be supporting parameters, but no materials.
 """
 
 import math
@@ -21,16 +21,16 @@ from .owners import BACKDROP, Owners
 from .ranges import clip, facing_white
 from .types import PlanEntry
 
-_LATE = 12  # priority of exposure; what words name comes first
-_STOPS = 1.5  # that exposure may change
+_LATE = 12  # priority of exposure; smaller numbers come first, as those of what words name
+_STOPS = 1.5  # stops that exposure may change, up or down
 _LIGHTEST, _DARKEST = 75.0, 50.0
-"""L* that the lightest twentieth of a picture may get at least, and the darkest at most: an artist's scene may be all black."""
-_KEY = (0.35, 4.0)  # multiples of the key's power; black things need much light
-_WORLD = (0.5, 2.0)  # multiples of the strength of the world, and of what is seen of it
-_FAINT = 0.1  # the least multiple of the world's strength where light has a color: what the world sheds has another
-_SEEN = ("subject", "surroundings", "sky", "fog")  # kinds of things that have a color of their own
+"""L* that exposure may always bring the lightest twentieth of an image up to, and the darkest down to: a scene may be all black."""
+_KEY = (0.35, 4.0)  # multiples of the key's power; black objects need much light
+_WORLD = (0.5, 2.0)  # multiples of the strength of the world, and of its backdrop
+_FAINT = 0.1  # least multiple of the world's strength if words color the light: the world's has another color
+_SEEN = ("subject", "surroundings", "sky", "fog")  # kinds of targets that have a color of their own
 _AMBIENT = ("world/color", "world/tint")
-_SATURATION = 1.4  # the most that named colors are strengthened: reflections and the view bleach them
+_SATURATION = 1.4  # largest factor on saturation if colors are named: reflections and the view bleach them
 _ADDED = (64.0, 80.0)  # L* of a white surface that faces a light that is added
 
 
@@ -41,7 +41,10 @@ def supports(
     entries: dict[str, PlanEntry],
     owners: Owners,
 ) -> dict[str, PlanEntry]:
-    """Entries that replace those of untouched parameters, and hold the artist's value, which an added light's power lacks."""
+    """Key -> entry of each supporting parameter, in place of an entry that keeps the artist's value.
+
+    Parameters that words name, and locked ones, are left out. The ranges contain the artist's value, except for added lights.
+    """
     reaches = dict(_reaches(parsed, instances, sources, owners))
     free = {key for key in reaches if entries[key].priority is None and not instances[key].locked}
     found = {}
@@ -56,7 +59,7 @@ def supports(
 def _reaches(
     parsed: Parsed, instances: dict[str, Instance], sources: Sources, owners: Owners
 ) -> Iterator[tuple[str, tuple[Range, int, str]]]:
-    """Keys, and for each how far it may go, how much later than exposure it comes, and why."""
+    """(key, (range, places in priority after exposure, reason)) of each parameter that may support the words."""
     if BACKDROP in instances:
         yield BACKDROP, (_times(instances[BACKDROP].value, _WORLD), -1, "the subject stands out from it")
     if "film/exposure" in instances:
@@ -86,7 +89,7 @@ def _reaches(
 
 
 def _exposures(exposure: Instance, sources: Sources) -> Range:
-    """Some stops around the artist's, and as many as a picture that is all dark, or all light, lacks."""
+    """Exposures some stops around the artist's, and more if the present image is all dark or all light."""
     (artist,), (now,) = exposure.value, sources.scene.values.get(exposure.key, exposure.value)
     lower, upper = artist - _STOPS, artist + _STOPS
     if sources.scene.picture and sources.scene.picture.percentiles:
@@ -103,13 +106,13 @@ def _times(value: Values, multiples: tuple[float, float]) -> Range:
 
 
 def _gel(attribute: Attribute) -> Values | None:
-    """The color that a word gives to light, by its name or by kelvins; None where light is only warm."""
+    """The sRGB color that a word gives to light, by a name or by kelvins; None for words such as "warm"."""
     kelvins = temperature(attribute.entry)
     return attribute.color or (srgb_from_linear(kelvin_color(kelvins)) if kelvins else None)
 
 
 def added_power(instance: Instance, sources: Sources) -> Values:
-    """The power that a light gets in the middle, where words ask for one that the scene lacks."""
+    """The geometric mean of the powers that an added light may have."""
     (low,), (high,) = facing_white(instance, *_ADDED, sources)
     return (math.sqrt(low * high),)
 
@@ -117,7 +120,7 @@ def added_power(instance: Instance, sources: Sources) -> Values:
 def _added_lights(
     instances: dict[str, Instance], entries: dict[str, PlanEntry], sources: Sources
 ) -> dict[str, PlanEntry]:
-    """A light that the words ask for has to show, whatever else they say of it."""
+    """Entries for the power of added lights that no word sets: each has to be visible."""
     why = "supports the words: they ask for a light that the scene lacks"
     keys = (f"light/{name}/power" for name in sources.scene.added_lights)
     return {
@@ -134,7 +137,7 @@ def missing_lights(
     standby: Mapping[str, str],
     vocabulary: Vocabulary,
 ) -> list[str]:
-    """The lights on standby, given with their roles, that the words ask for."""
+    """Names of the standby lights that the words ask for, one for each missing role; `standby` maps a name to its role."""
     owners, roles = Owners(goals.parsed, instances, scene), list[str]()
     for wish, effect in acts(goals, vocabulary, owners):
         role = _asked(effect, wish.attribute, owners)
@@ -145,7 +148,7 @@ def missing_lights(
 
 
 def _asked(effect: Effect, attribute: Attribute, owners: Owners) -> str:
-    """The role of the light that an effect needs and that nothing in the scene has; else ""."""
+    """The role of the light that an effect needs, if no light in the scene has that role; else ""."""
     if effect.weak or effect.mode == "times" or OWNERS[effect.owner] != "light" or attribute.lights:
         return ""
     owner = attribute.role if effect.owner in ("light", "lights") and attribute.role else effect.owner
@@ -162,10 +165,11 @@ _VIVID = 20.0  # chroma from which a world tints what it lights
 def asks_for_backdrop(
     goals: Goals, instances: dict[str, Instance], scene: SceneDescription, vocabulary: Vocabulary
 ) -> bool:
-    """True if words give the background a color that is not to tint the scene, or a lightness that its light cannot have.
+    """True if the visible background has to differ from the world that lights the scene.
 
-    A white or pale background is a light too, as in a photographer's studio, if no other word wants less light. What a
-    place usually has is no such wish: the sky of a garden at night is the night's.
+    That is so if words give the background a vivid color, which would tint the scene, or a lightness that contradicts the light
+    that other words ask for. Otherwise a white background lights the scene, too, as in a photographer's studio. What a place
+    usually has does not count: the sky of a garden at night is the night's.
     """
     owners = Owners(goals.parsed, instances, scene)
     of_world = [
@@ -181,13 +185,13 @@ def asks_for_backdrop(
 
 
 def _apart(one: Act, other: Act) -> bool:
-    """True if no strength of the world serves both."""
+    """True if two effects ask for different lightness, so that no strength of the world serves both."""
     a, b = _lightness(one), _lightness(other)
     return a is not None and b is not None and (a[1] < b[0] or b[1] < a[0])
 
 
 def _lightness(act: Act) -> tuple[float, float] | None:
-    """The L* that the world is to have, from and to; None where a wish says nothing of it."""
+    """The L*, from and to, that an effect asks for of the world; None if it asks for none."""
     wish, effect = act
     if effect.mode == "shown" and wish.attribute.color:
         return (lab_from_srgb(wish.attribute.color)[0],) * 2

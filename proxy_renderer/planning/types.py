@@ -20,9 +20,9 @@ class PlanEntry:
     priority: int | None  # the smaller the more important; None is never optimized (but still projected)
     reason: str  # for the artist; quotes the word that caused it
     prior: float = 1.0  # weight in [0, 1] of the pull to the artist's value: 0 where words named the value
-    usual: bool = False  # only so as a rule, as nights are blue: it gives way to other words, not to claims
+    usual: bool = False  # whether it is only usual, as nights are blue: it does not open for missed claims
     varies: bool = False  # whether variants may differ in it though words name it: the side of a candle
-    any_hue: bool = False  # whether a color may take any hue in its range: it is no box around a named color
+    any_hue: bool = False  # whether a color may take any hue in its range; if not, the search keeps its hue
     start: Values | None = None  # where the search begins; None for the artist's value, projected
 
     @classmethod
@@ -40,12 +40,12 @@ class PlanEntry:
 
 @dataclass(frozen=True)
 class LightPlan:
-    """The plan of a lighting rig, in the place of the words that it stands for."""
+    """The plan of a lighting rig, which replaces the effects of the words that ask for the rig."""
 
     entries: dict[str, PlanEntry] = field(default_factory=dict)  # for every parameter that it sets, by key
-    served: tuple[Attribute, ...] = ()  # the words that it stands for; they ask for nothing else
-    grade: tuple[tuple[Attribute, Effect], ...] = ()  # what belongs to it of the film, with the word
-    shown: tuple[Wish, ...] = ()  # what an image has to show of it
+    served: tuple[Attribute, ...] = ()  # the words that ask for the rig; they ask for no other light
+    grade: tuple[tuple[Attribute, Effect], ...] = ()  # the rig's effects on the film, each with its word
+    shown: tuple[Wish, ...] = ()  # wishes about how its light looks in the image
 
 
 LEFT_ALONE = "Left alone, though the words ask for it"  # how the note on locked values begins
@@ -56,4 +56,4 @@ class Plan(dict[str, PlanEntry]):
 
     def __init__(self, entries: dict[str, PlanEntry] | None = None, notes: tuple[str, ...] = ()) -> None:
         super().__init__(entries or {})
-        self.notes = notes  # contradictions resolved and bounds that stood in the way, one sentence each
+        self.notes = notes  # sentences for the artist on overridden words, locked values and missing lights

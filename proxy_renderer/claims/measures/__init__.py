@@ -12,19 +12,19 @@ from . import color, light
 
 @dataclass(frozen=True)
 class Measure:
-    """A way to get numbers off an image."""
+    """A function that reads one or several numbers from a region of an image, with its unit and its name in reports."""
 
-    take: Callable[..., Tensor]  # of an image and a region (H, W) bool, of at least a pixel: (n,) numbers
+    take: Callable[..., Tensor]  # (image, region (H, W) bool with at least one pixel) -> (n,) numbers
     unit: str  # for the report
     notice: float  # the least difference between two images that people notice side by side
-    sentence: str  # what it is of a thing, "{}"
-    directed: bool = False  # whether `take` also wants the (2,) direction in a* and b* of a color
+    sentence: str  # the measure in words; "{}" stands for the target
+    directed: bool = False  # whether `take` also needs a direction: a unit vector (2,) in a* and b*
     of_finish: bool = False  # whether it is about a surface's finish, which light and film could only fake
-    beside: bool = False  # whether it compares with the surroundings
+    beside: bool = False  # whether it compares a region with the surroundings
 
     @property
     def says(self) -> str:
-        """Its name in the report, without a thing."""
+        """The measure's name in the report, without the target."""
         return re.sub(r" \w+ the \{\}", "", self.sentence)
 
 
@@ -91,4 +91,4 @@ MEASURES: dict[str, Measure] = {
     "mist_below": Measure(light.mist_below, "", 0.04, "haze at the foot of the {} beyond that above"),
     "air_lightness": Measure(light.air_lightness, "L*", 2.0, "lightness of the air before the {}"),
 }
-"""By name, as `quantities.toml` and the wishes of the vocabulary call them."""
+"""Measures by their names in `quantities.toml` and in the wishes of the vocabulary."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures of color and tone."""
+"""Measures of color and tone: functions of an image and a region `where` (H, W) bool of its pixels."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -11,11 +11,11 @@ from torch import Tensor
 from .picture import FEW, MeasuredPicture, largest_around, region_of
 
 _RINGS = (0.35, 0.62, 0.82)
-"""Of a vignette, in half diagonals: the middle lies between the first two, the corners beyond the third."""
+"""Radii in a vignette, as shares of half the image's diagonal: the middle ring lies between the first two, corners beyond the third."""
 
 
 def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """From the darkest to the lightest twentieth, of the region or of the subject in it, which may be small: (1,) L*."""
+    """Difference from the darkest to the lightest twentieth, each of the region or of the subject in it, if more extreme: (1,) L*."""
     subject = region_of(picture.seen, "subject") & where
     parts = [where, subject] if subject.sum() >= FEW else [where]
     light = torch.stack([lightness_below(picture, part, 0.95) for part in parts]).max()
@@ -23,13 +23,13 @@ def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def vignette(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Darkness of the second least darkened corner relative to the middle ring, for light from a side darkens two: (1,) L*."""
+    """Darkness of a corner relative to the middle ring: (1,) L*. It is the second least dark, for side light darkens two corners."""
     falls = corner_falls(picture)
     return falls[min(1, len(falls) - 1)][None] if len(falls) else picture.lab.new_zeros(1)
 
 
 def corner_falls(picture: MeasuredPicture) -> Tensor:
-    """Darkness of each corner relative to the middle ring, the subject left out: (n,) L*, n at most 4, the least first."""
+    """Darkness of each corner relative to the middle ring in its quarter, without the subject: (n,) L*, n <= 4, the least first."""
     light, free = picture.lab[..., 0], region_of(picture.seen, "surroundings")
     height, width = light.shape
     y, x = torch.meshgrid(_middles(height, light), _middles(width, light), indexing="ij")
@@ -45,13 +45,13 @@ def corner_falls(picture: MeasuredPicture) -> Tensor:
 
 
 def standing_out(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Lightness of a region less that of the surroundings, by their medians: (1,) L*."""
+    """Median lightness of a region minus that of the surroundings: (1,) L*."""
     around = region_of(picture.seen, "surroundings")
     return (lightness_below(picture, where, 0.5) - lightness_below(picture, around, 0.5))[None]
 
 
 def silhouette(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Darkness of a region before its surroundings, less half of its own spread of light: (1,) L*."""
+    """Darkness of a region relative to the surroundings, minus half the difference between its own lightest and darkest tenth: (1,) L*."""
     spread = lightness_below(picture, where, 0.9) - lightness_below(picture, where, 0.1)
     return -standing_out(picture, where) - 0.5 * spread
 
@@ -67,12 +67,12 @@ def separation(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def burnt(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Share of a region that is burnt out, by a soft step at L* 97: (1,) in [0, 1]."""
+    """Share of a region that is overexposed, by a soft step at L* 97: (1,) in [0, 1]."""
     return torch.sigmoid(2 * (picture.lab[..., 0][where] - 97.0)).mean()[None]
 
 
 def clipped(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Share of a region with a channel at its end, by a soft step at 0.99 of it: (1,) in [0, 1]. Such a color has lost its shading."""
+    """Share of a region with a channel near 1, by a soft step at 0.99: (1,) in [0, 1]. A clipped color shows no shading."""
     return torch.sigmoid(200 * (picture.display[where].amax(-1) - 0.99)).mean()[None]
 
 
@@ -82,7 +82,7 @@ def drowned(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def lightness_below(picture: MeasuredPicture, where: Tensor, share: float) -> Tensor:
-    """Lightness () below which a share of the region lies; the mean of the pixels near it, for gradients."""
+    """Lightness () L* below which a share of the region's pixels lies; a mean over the nearest ranks, for smoother gradients."""
     light = picture.lab[..., 0][where].sort().values
     middle, reach = share * (len(light) - 1), max(0.01 * len(light), 1.0)
     first, last = max(round(middle - reach), 0), min(round(middle + reach), len(light) - 1)
@@ -90,25 +90,25 @@ def lightness_below(picture: MeasuredPicture, where: Tensor, share: float) -> Te
 
 
 def _middles(count: int, like: Tensor) -> Tensor:
-    """Positions of pixels' middles in [-1, 1]."""
+    """Centers (count,) of the pixels of a row, in [-1, 1]."""
     return (torch.arange(count, device=like.device, dtype=like.dtype) + 0.5) / count * 2 - 1
 
 
-_REST = 0.1  # share of a region's darkest and of its lightest pixels that say nothing of its color
-_MIRRORED = 0.4  # share of its lightest pixels that have the hue of the lights, where it is glossy
-_PLAIN = 1.0  # chroma, OKLab times 100, that pixels count for beside their own, where lightness is read
+_REST = 0.1  # share of a region's darkest, and of its lightest pixels, that `color` leaves out
+_MIRRORED = 0.4  # share of the lightest pixels, whose hue `color` leaves out: on gloss it is the light's
+_PLAIN = 1.0  # added to a pixel's chroma, OKLab times 100: the sum is its weight where lightness is read
 _ACCENT = 0.1  # share of a region that one of several colors of light has to tint
-_ENDS = 0.3  # share of the darkest, or lightest, pixels that tints of shadows and lights are read from
+_ENDS = 0.3  # share of the darkest, or lightest, pixels that count as shadows, or highlights, for warmth
 _GRAY = 10.0  # C* at which a pixel counts half for a color cast: about what people call gray
-_DARKEST, _LEAST = 25.0, 0.02  # L* below which a pixel says less of a cast, and what black counts
-_PATCH = 24  # patches of a dark channel along the longer side of a picture
+_DARKEST, _LEAST = 25.0, 0.02  # L* below which a pixel's weight in a cast falls, and the weight of black
+_PATCH = 24  # patches of a dark channel along the longer side of an image
 
 
 def color(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Color of a region without its deepest shadows and its highlights, as people name it: (3,) OKLab, times 100.
+    """Color of a region as people name it, without its deepest shadows and its highlights: (3,) OKLab, times 100.
 
-    Its lightness is that of where its color shows: what mirrors a white wall says little of a teal. Hue and chroma are those
-    of its darker part.
+    Lightness is a mean weighted by chroma, so that reflections of a white wall count little. Hue and chroma are the mean of the
+    darker pixels.
     """
     light, seen = picture.oklab[..., 0].detach()[where], picture.oklab[where]
     low, matte, high = torch.quantile(light, light.new_tensor([_REST, 1 - _MIRRORED, 1 - _REST]))
@@ -119,12 +119,12 @@ def color(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def tint(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Mean distance from gray: (2,) a* and b* of CIE Lab."""
+    """Mean of a* and b*: (2,) of CIE Lab, 0 for gray."""
     return picture.lab[..., 1:][where].mean(0)
 
 
 def accent(picture: MeasuredPicture, where: Tensor, direction: Tensor) -> Tensor:
-    """Distance from gray along a color's direction, (2,) of length 1, of the part of a region that lies farthest in it: (1,) a* and b*."""
+    """Mean distance from gray along a hue, a unit vector (2,) in a* b*, of the tenth of a region that lies farthest along it: (1,)."""
     along = picture.lab[..., 1:][where] @ direction
     return along[along.detach() >= torch.quantile(along.detach(), 1 - _ACCENT)].mean()[None]
 
@@ -140,7 +140,7 @@ def chroma(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def vividest(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Distance from gray that all but the most vivid thirtieth of the pixels keep below: (1,) C* of CIE Lab."""
+    """Chroma below which all but the most vivid thirtieth of the pixels lie: (1,) C* of CIE Lab."""
     return _chroma_of(picture, where).quantile(1 - 1 / 30)[None]
 
 
@@ -158,7 +158,7 @@ def _chroma_of(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Distance of the mean color towards orange, or, below 0, towards blue: (1,) b* and half of a*."""
+    """Warmth of the mean color, positive toward orange, negative toward blue: (1,) b* + a* / 2."""
     _, a, b = picture.lab[where].mean(0)
     return (b + 0.5 * a)[None]
 
@@ -174,7 +174,7 @@ def highlight_warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def brown_distance(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Mean distance of colors from the one line of brown tints that a sepia print has: (1,) Lab; gray is 5 away."""
+    """Mean distance of colors from the line of brown tints that a sepia print has: (1,) in a* b*. Gray has the distance 5."""
     _, a, b = picture.lab[where].unbind(-1)
     along = 0.34, 0.94  # hue of sepia, 70 degrees
     brown, across = a * along[0] + b * along[1], b * along[0] - a * along[1]
@@ -191,7 +191,7 @@ def _rank(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 SHADOWS, MIDTONES, LIGHTS = (0.02, 0.25), (0.25, 0.75), (0.75, 0.98)
-"""Shares of the pixels in order of lightness that shadows, midtones and lights are read from."""
+"""Shares, from and to, of the pixels in order of lightness that shadows, midtones and highlights are read from."""
 
 
 def mean(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -200,16 +200,16 @@ def mean(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 _OF_LIGHTNESS, _NEARLY_BLACK = 60.0, 20.0
-"""Lightness, OKLab times 100, at which chromaticities are stated, and below which black counts as lighter than it is."""
+"""Lightness, OKLab times 100, to which chromaticities are scaled, and the least lightness that is scaled: black counts as this."""
 
 
 def chromaticity(mean: Tensor) -> Tensor:
-    """A mean color (3,) OKLab as it is at another lightness: (2,) a and b. Exposure leaves them alone."""
+    """a and b (2,) of a mean color (3,), OKLab times 100, scaled to one lightness: a change of exposure leaves them as they are."""
     return mean[1:] * (_OF_LIGHTNESS / mean[0].clamp_min(_NEARLY_BLACK))
 
 
 class RegionMeans:
-    """The measure `mean` of many regions at once, (H, W) bool each, by any number."""
+    """The measure `mean` of many regions at once, each (H, W) bool, with a number as its key."""
 
     def __init__(self, regions: Mapping[int, Tensor]) -> None:
         self._numbers = tuple(regions)
@@ -226,23 +226,23 @@ class RegionMeans:
 
 
 def tone(share: float) -> Callable[[MeasuredPicture, Tensor], Tensor]:
-    """The measure of the lightness below which a share of a region lies: (1,) L*."""
+    """The measure of the lightness below which a share of a region's pixels lies: (1,) L*."""
     return lambda picture, where: lightness_below(picture, where, share)[None]
 
 
 def spread(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """From the darkest to the lightest tenth of a region: (1,) L*."""
+    """Difference between the darkest and the lightest tenth of a region: (1,) L*."""
     return (lightness_below(picture, where, 0.9) - lightness_below(picture, where, 0.1))[None]
 
 
 def cast(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Distance from gray, a region's grayest pixels counting most: (2,) a* and b* of CIE Lab."""
+    """Color cast: mean of a* and b* in which a region's grayest pixels count most: (2,) of CIE Lab."""
     lab = picture.lab[where]
     return grayness(lab) @ lab[:, 1:]
 
 
 def cast_between(low: float, high: float) -> Callable[[MeasuredPicture, Tensor], Tensor]:
-    """The measure of the cast, see `cast`, of what lies between two shares of a region in order of lightness: (2,)."""
+    """The measure of the `cast` of the pixels between two shares, in [0, 1], of a region in order of lightness: (2,)."""
 
     def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
         lab = picture.lab[where]
@@ -265,21 +265,21 @@ def from_above(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def veil(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Light that lies over everything, as haze does: (1,) the dark channel of a region, in percent (He, Sun and Tang 2009)."""
+    """Light that lies over everything, as haze does: (1,) mean dark channel of a region, in percent (He, Sun and Tang 2009)."""
     width = 2 * (max(where.shape) // _PATCH // 2) + 1
     least = -F.max_pool2d(-picture.display.amin(-1)[None, None], width, stride=1, padding=width // 2)[0, 0]
     return 100 * least[where].mean()[None]
 
 
 def grayness(lab: Tensor) -> Tensor:
-    """Weights (N,) of pixels (N, 3) CIE Lab in a cast, of sum 1 and without gradients; black is gray in any light, and counts little."""
+    """Weights (N,), of sum 1 and without gradients, of pixels (N, 3) CIE Lab in a cast. Black counts little: it is gray in any light."""
     lab = lab.detach()
     weights = (lab[:, 0] / _DARKEST).clamp(_LEAST, 1.0) / (1 + lab[:, 1:].square().sum(-1) / _GRAY**2)
     return weights / weights.sum()
 
 
 def _across(picture: MeasuredPicture, where: Tensor, axis: int) -> Tensor:
-    """() L* of the last third of a region's pixels along an axis, less that of the first."""
+    """() mean L* of the last third of a region's pixels along an axis (0 down, 1 right), minus that of the first third."""
     place = where.nonzero()[:, axis].to(picture.lab)
     low, high = torch.quantile(place, place.new_tensor([1 / 3, 2 / 3]))
     light = picture.lab[..., 0][where]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures of shading: where light comes from, shadows, highlights, what surfaces do with light, and how much the air hides."""
+"""Measures of shading: direction of light, shadows, highlights, finish of surfaces, and how much the air hides."""
 
 import math
 from collections.abc import Callable
@@ -12,27 +12,27 @@ from ...render.geometry.vectors import overlap
 from .picture import FEW, GRAIN, MeasuredPicture, largest_around
 
 _FLOOR = 0.004  # linear luminance below which differences are not seen on a display in a lit room
-_HIGHLIGHTS = (0.03, 0.06)  # how far the sides of a highlight are, in roots of a region's area
-_BEND = 0.5  # cosine between normals beyond which two places lie on both sides of an edge
+_HIGHLIGHTS = (0.03, 0.06)  # distances from a highlight to its sides, times the root of the region's area
+_BEND = 0.5  # cosine between two normals below which there is an edge between their places
 _EVEN = 0.15  # stops per pixel by which a texture may change: the edges of a pattern are no shadows
-_SPOT = 0.002  # the share of a region that the sharpest highlight fills at least
-_CLEAR = 1e-3  # weight of what no fog hides
-_END = 0.2  # share of a thing that is its foot, or its head
-_EVEN_FIT = 0.02  # share of the mean light by which grain makes light differ
-_STEADY = 1e-4  # of a fit: keeps it solvable where normals hardly turn
-_STEEPEST = (0.97, 0.995)  # shares of a region's slopes, in order, that its sharpest edges lie between
-_GRAZING = 3.0  # power with which sheen grows towards the edge: it is no matter of the last pixel alone
-_OBLIQUE = 0.5  # cosine between normal and view where sheen is given: 60 degrees
-_MIRROR_HIGHLIGHTS = 0.99  # share of a region that is no highlight
+_SPOT = 0.002  # share of a region's pixels, those with the strongest highlights, that gloss is the mean of
+_CLEAR = 1e-3  # weight of pixels that no fog hides
+_END = 0.2  # share of a target's pixels, in order of height, that are its foot, or its head
+_EVEN_FIT = 0.02  # standard deviation of light by grain, as a share of the mean light
+_STEADY = 1e-4  # regularization of a fit: keeps it solvable where normals hardly turn
+_STEEPEST = (0.97, 0.995)  # shares of a region's slopes, in order, between which its sharpest edges lie
+_GRAZING = 3.0  # exponent of 1 - cosine in sheen: it grows toward the edge, over more than the last pixel
+_OBLIQUE = 0.5  # cosine between normal and view at which sheen is stated: 60 degrees
+_MIRROR_HIGHLIGHTS = 0.99  # share of a region's pixels, the darkest, that are no highlights
 
 
 def light_along(axis: int) -> Callable[[MeasuredPicture, Tensor], Tensor]:
-    """The measure of the share of light from the camera's right (0), from above (1), or from its side (2): (1,) in [-1, 1]."""
+    """The measure of how much light comes from the right (axis 0), from above (1) or from the camera (2): (1,) in [-1, 1]."""
     return lambda picture, where: _shading(picture, where)[axis : axis + 1]
 
 
 def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """The steepest slope of light on smooth and even surfaces, as at edges of shadows: (1,) stops per pixel of an image of 192."""
+    """The steepest slopes of light on smooth and even surfaces, as at shadow edges: (1,) stops per pixel of an image 192 pixels long."""
     seen = picture.seen
     material = seen.material.float()
     same = largest_around(material, 5) == -largest_around(-material, 5)
@@ -50,7 +50,7 @@ def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def key_to_fill(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Contrast of light and shade within each material, so that dark paint is no shade, without highlights: (1,) stops."""
+    """Contrast of light and shade without highlights: (1,) stops. It is a mean over materials, for dark paint is no shade."""
     light, material = (picture.shading.clamp_min(0) + _FLOOR).log2()[where], picture.seen.material[where]
     spans, counts = [], []
     for number in material.unique():
@@ -65,7 +65,7 @@ def key_to_fill(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def rim(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Lightness of the lightest fifth of a region's outline less that of its inside: (1,) L*."""
+    """Mean lightness of the lightest fifth of a region's outline minus that of its inside: (1,) L*."""
     light, band = picture.lab[..., 0], 2 * max(min(where.shape) // 96, 1) + 1
     inside = -largest_around(-where.float(), band) > 0
     edge = where & ~inside
@@ -78,8 +78,8 @@ def rim(picture: MeasuredPicture, where: Tensor) -> Tensor:
 def gloss(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Contrast of highlights: (1,) L* by which the brightest small spots and streaks rise above both of their sides.
 
-    What people call glossy has highlights of high contrast and sharpness (Marlow, Kim and Anderson 2012); both
-    raise it, for the sides are near. Light that only grows towards an outline has one side, and is none.
+    What people call glossy has highlights of high contrast and sharpness (Marlow, Kim and Anderson 2012). Both raise this
+    measure, for the sides are near. Light that only grows toward an outline rises above one side, and does not count.
     """
     count = int(where.sum())
     if count < FEW:
@@ -98,7 +98,7 @@ def gloss(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def _shading(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """(3,) direction from which a region is lit, in the camera's space, by a fit of a + b · n to luminance; short if unclear."""
+    """(3,) direction from which a region is lit, in the camera's space, by a fit of a + b · n to luminance; shorter than 1 if unclear."""
     normal = picture.seen.normal
     where = where & (normal.norm(dim=-1) > 0.5)
     light, normals = picture.luminance[where], normal[where]
@@ -117,14 +117,14 @@ def _shading(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def _beside(light: Tensor, where: Tensor, material: Tensor, normal: Tensor, step: tuple[int, int]) -> Tensor:
-    """The light (H, W) a step away; infinite where that is out of the region, of another material, or around a corner."""
+    """The light (H, W) of the pixel a step away; infinite if that pixel is outside of the region, of another material or past an edge."""
     same = _moved(material, step, -2) == material
     bent = (_moved(normal, step, 0.0) * normal).sum(-1) < _BEND
     return torch.where(_moved(where, step, False) & same & ~bent, _moved(light, step, torch.inf), torch.inf)
 
 
 def _moved(field: Tensor, step: tuple[int, int], outside: float) -> Tensor:
-    """A field (H, W, …) as it is a step away."""
+    """A field (H, W, …) with the value of the pixel a step (rows, columns) away; `outside` beyond the image."""
     moved = torch.full_like(field, outside)
     (rows, from_rows), (columns, from_columns) = map(overlap, step, field.shape[:2])
     moved[rows, columns] = field[from_rows, from_columns]
@@ -132,7 +132,7 @@ def _moved(field: Tensor, step: tuple[int, int], outside: float) -> Tensor:
 
 
 def _blurred(field: Tensor) -> Tensor:
-    """A field (H, W), blurred by a Gaussian of half a pixel, as grain is."""
+    """A field (H, W), blurred by a Gaussian with a standard deviation of half a pixel, which reduces grain."""
     tap = math.exp(-2.0)
     kernel = field.new_tensor([tap, 1.0, tap]) / (1 + 2 * tap)
     padded = F.pad(field[None, None], (1, 1, 1, 1), mode="replicate")
@@ -140,9 +140,10 @@ def _blurred(field: Tensor) -> Tensor:
 
 
 def haze(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Share of the light of what is seen there that fog takes away: (1,) in [0, 1].
+    """Share of the light of a region that fog takes away: (1,) in [0, 1].
 
-    Of the half that it takes most from, as fog fades the distance. The world counts where there is little else.
+    It is the mean of the half of the pixels that lose most, because fog fades the distance. Pixels of the world count only if
+    surfaces cover less than a tenth of the region.
     """
     surfaces = where & (picture.seen.material >= 0)
     passing = picture.seen.transmittance[surfaces if surfaces.sum() > 0.1 * where.sum() else where]
@@ -150,7 +151,7 @@ def haze(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def mist_below(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Share of light that the air takes from the lowest fifth of a target, less that of its highest, as ground mist does: (1,)."""
+    """Share of light that the air takes from the lowest fifth of a target minus that from the highest: (1,), large in ground mist."""
     row = where.nonzero()[:, 0].to(picture.seen.transmittance)
     high, low = torch.quantile(row, row.new_tensor([_END, 1 - _END]))
     passing = picture.seen.transmittance[where]
@@ -158,17 +159,17 @@ def mist_below(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def air_lightness(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Lightness of a region, weighted by how much the air hides it: (1,) L*. It does not grow with the amount of air."""
+    """Mean lightness of a region, its pixels weighted by how much the air hides them: (1,) L*, whatever the amount of air."""
     veil = (1.0 - picture.seen.transmittance.detach())[where] + _CLEAR
     return (picture.lab[..., 0][where] @ veil / veil.sum())[None]
 
 
 def unscattered(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Share of the differences of light on a surface that are images of other objects, mirrored or from behind: (1,).
+    """Share of the variance of light on a surface that comes from mirrored or transmitted images of other objects: (1,).
 
-    Scattered light changes slowly with a surface's direction and place (Ramamoorthi and Hanrahan 2001): what is linear in
-    the one and quadratic in the other has nearly all of it. Metal and glass scatter none. Shadows and creases change
-    quickly too, so that intricate objects have some of it in any case.
+    Scattered light changes slowly with a surface's direction and place (Ramamoorthi and Hanrahan 2001). A fit that is linear in the
+    normal and quadratic in the place has nearly all of it, and the rest is counted. Metal and glass scatter nothing. Shadows and
+    creases change quickly too, so that intricate objects always have some of this share.
     """
 
     def share(light: Tensor, normal: Tensor, place: Tensor) -> Tensor:
@@ -183,7 +184,7 @@ def unscattered(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def sheen(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Glow of a surface along its edges, as of velvet, seen from 60 degrees, as a share of the mean without highlights: (1,)."""
+    """Glow of a surface toward its edges, as on velvet: (1,) its value at 60 degrees from the normal, relative to the mean light."""
 
     def rise(light: Tensor, normal: Tensor, place: Tensor) -> Tensor:
         kept = light <= torch.quantile(light.detach(), _MIRROR_HIGHLIGHTS)
@@ -196,7 +197,7 @@ def sheen(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def sharpness(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Sharpness of reflections: the steepest slopes of lightness inside of surfaces, (1,) L* per pixel of an image of 192."""
+    """Sharpness of reflections: the steepest slopes of lightness inside of surfaces, (1,) L* per pixel of an image 192 pixels long."""
     material = picture.seen.material.float()
     same = largest_around(material, 3) == -largest_around(-material, 3)
     inside = where & same & ~(largest_around(~where, 5) > 0)
@@ -211,7 +212,7 @@ def sharpness(picture: MeasuredPicture, where: Tensor) -> Tensor:
 def _by_material(
     picture: MeasuredPicture, where: Tensor, take: Callable[[Tensor, Tensor, Tensor], Tensor]
 ) -> Tensor:
-    """(1,) mean of what is taken off each material's light (n,), normals (n, 3) and places (n, 2); 0 where they are few."""
+    """(1,) mean over materials, weighted by their n pixels, of `take`(light (n,), normals (n, 3), places (n, 2)); 0 if all are small."""
     seen, found = picture.seen, []
     where = where & (seen.normal.norm(dim=-1) > 0.5)
     for number in seen.material[where].unique():
@@ -227,7 +228,7 @@ def _by_material(
 
 
 def _fitted(basis: Tensor, light: Tensor) -> tuple[Tensor, Tensor]:
-    """The least-squares fit of light (n,) by columns (n, k) and a constant: the weights (k + 1,), and what it makes (n,)."""
+    """The least-squares fit of light (n,) by the k columns of a basis (n, k) and a constant: weights (k + 1,), fitted light (n,)."""
     columns = torch.cat((basis, torch.ones_like(basis[:, :1])), 1)
     scale = columns.norm(dim=0).clamp_min(1e-6)
     even = columns / scale

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A picture as it is measured: its colors, and what the camera sees in every pixel."""
+"""An image as it is measured: its colors, and what the camera sees in every pixel."""
 
 from __future__ import annotations
 
@@ -16,26 +16,26 @@ from ...color.tensors import lab_from_srgb, linear_from_srgb, luminance, oklab_f
 from ...render.surface.view_cache import GBuffer
 from ...words.types import Part
 
-FEW = 32  # pixels of which nothing is told
-GRAIN = 192  # slopes are given per pixel of a picture of this size
-_BLACK = 0.02  # of white, as an image is stored: what is darker everywhere shows nothing
-_ADAPTED = 0.7  # share of the light's color that is not noticed, and of its stops, where it is dim
-_MIDDLE = 0.18  # of white: gray in light that is not dim
-_DIM = 6.0  # times darker, beyond which things are dark
-_UNLIT = 1e-4  # of white: light that has no color to adapt to
-_DARKEST = 0.05  # of a pattern, relative to its mean: what is darker mirrors rather than scatters light
+FEW = 32  # shading of fewer pixels is not measured
+GRAIN = 192  # longer side, in pixels, of the image that slopes are stated for
+_BLACK = 0.02  # sRGB-encoded value; an image that is darker everywhere shows nothing
+_ADAPTED = 0.7  # share of the light's color, and of its dimness in stops, that the eye adapts to
+_MIDDLE = 0.18  # linear luminance of gray in light that is not dim
+_DIM = 6.0  # times darker than that: to dimmer light the eye adapts no further
+_UNLIT = 1e-4  # linear luminance of gray below which the light has no color to adapt to
+_DARKEST = 0.05  # of a pattern relative to its mean: darker parts mirror rather than scatter light
 
 
 @dataclass(frozen=True)
 class MeasuredPicture:
-    """An image (H, W, 3) of the proxy or of Cycles, sRGB-encoded in [0, 1], and the camera's view there, of the same size."""
+    """An image (H, W, 3) of the proxy or of Cycles, sRGB-encoded in [0, 1], and what the camera sees in its pixels."""
 
     display: Float[Tensor, "h w 3"]
     seen: GBuffer
 
     @classmethod
     def of(cls, display: Tensor, seen: GBuffer) -> MeasuredPicture:
-        """A picture of any size (H, W, 3), averaged to the pixels of what is seen."""
+        """An image (H, W, 3) of any size, averaged to the size of the camera's view."""
         shape = seen.subject.shape
         if display.shape[:2] != shape:
             planes = display.permute(2, 0, 1)[None]
@@ -53,11 +53,11 @@ class MeasuredPicture:
         return 100 * oklab_from_srgb(self.display)
 
     def in_white_light(self, where: Tensor) -> MeasuredPicture:
-        """The same picture as it looks to people who have adapted to the light in the region `where`.
+        """The same image as it looks to people who have adapted to the light in the region `where`.
 
-        A white car in blue light looks nearly white, and a red one in dim light red. The cones adapt each by itself (von Kries
-        1902), and to a degree of 0.7, with the picture's own white for the rest (Fairchild 2020). What is brighter than white
-        would be in that light glows by itself, and looks as it is.
+        A white car in blue light looks nearly white, and a red one in dim light red. Each type of cone adapts independently (von
+        Kries 1902), to a degree of 0.7 to that light and for the rest to the image's own white (Fairchild 2020). A region brighter than
+        white would be in that light glows, and keeps its colors.
         """
         gray = None if self.seen.gray is None else linear_from_srgb(self.seen.gray[where]).mean(0)
         if gray is None or luminance(gray) < _UNLIT:
@@ -74,12 +74,12 @@ class MeasuredPicture:
 
     @cached_property
     def luminance(self) -> Float[Tensor, "h w"]:
-        """Linear light as shown."""
+        """Linear luminance as displayed."""
         return luminance(linear_from_srgb(self.display))[..., 0]
 
     @cached_property
     def shading(self) -> Float[Tensor, "h w"]:
-        """Linear light without what textures make of it."""
+        """Linear luminance, divided by the luminance of the texture relative to its mean."""
         return self.luminance / self.seen.pattern.clamp_min(_DARKEST)
 
 
@@ -89,7 +89,7 @@ def is_black(display: Tensor) -> bool:
 
 
 def region_of(seen: GBuffer, part: Part, materials: tuple[str, ...] = ()) -> Bool[Tensor, "h w"]:
-    """The pixels that lie wholly in a part of the image, or show one of these materials, if there are any names."""
+    """The pixels that lie wholly in a part of the image; if materials are named, the pixels that show one of them instead."""
     if materials:
         numbers = [i for i, name in enumerate(seen.materials) if name in materials]
         return _inner(torch.isin(seen.material, torch.tensor(numbers, device=seen.material.device)))
@@ -109,6 +109,6 @@ def largest_around(field: Tensor, width: int) -> Float[Tensor, "h w"]:
 
 
 def _inner(where: Tensor) -> Tensor:
-    """A region (H, W) without its outline; the whole of it where it is all outline, as wires are."""
+    """A region (H, W) without its outline; the whole region if that would leave less than a quarter, as of wires."""
     inside = where & ~(largest_around(~where, 3) > 0)
     return inside if inside.sum() >= 0.25 * where.sum() else where

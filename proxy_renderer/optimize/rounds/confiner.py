@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lines 3 to 5 and 7 of Algorithm 1: the plan of a round, its ranges, and their box in u."""
+"""Lines 3 to 5 and 7 of Algorithm 1: the plan of a round, its ranges, and the box in u that they make."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from ..scene_facts import light_sizes
 from ..shots import ShotState
 from ..vector import ParameterVector, around, feasible_ranges, opened, project
 
-_NEAR = 0.25  # of a range on either side of a start: a variant stays what it is
+_NEAR = 0.25  # share of a range, on either side of a variant's start, in which the variant stays
 
 
 @dataclass(frozen=True)
 class Start:
-    """The start of a refinement."""
+    """The start of a refinement, which is one or several rounds."""
 
     u: Tensor  # (N,) the point
-    shots: Sequence[ShotState]  # as they are corrected so far
-    # (N,) bool, components that stay near the start, so that variants stay different; None where all are free
+    shots: Sequence[ShotState]  # with the corrections so far
+    # (N,) bool, components that stay near the start, so that variants stay different; None if all are free
     drawn: Tensor | None = None
-    first: int = 0  # number of the first round, over all starts
-    turned: Mapping[str, PlanEntry] = field(default_factory=dict)  # entries in the place of the plan's
+    first: int = 0  # number of the first round, counted over all starts
+    turned: Mapping[str, PlanEntry] = field(default_factory=dict)  # entries that replace those of the plan
 
 
 @dataclass(frozen=True)
@@ -39,12 +39,12 @@ class RoundStart:
     """A round before it is planned."""
 
     start: Start  # of the refinement
-    u: Tensor  # (N,) the point where it begins
-    shots: Sequence[ShotState]  # as they are corrected at that point
-    number: int  # over all starts, from 0
+    u: Tensor  # (N,) the point where the round begins
+    shots: Sequence[ShotState]  # with the correction at u
+    number: int  # of the round, counted over all starts, from 0
     earlier: Plan  # the plan of the round before; empty for the first
-    share: float = 1.0  # how far from u it may go, of each component's feasible range
-    opening: float = 0.0  # by how much ranges that words name are wider than the plan's on either side
+    share: float = 1.0  # share of each component's feasible range by which the round may move from u
+    opening: float = 0.0  # share of its width by which a range that words name opens at either end
 
     @classmethod
     def at(cls, start: Start) -> RoundStart:
@@ -54,20 +54,20 @@ class RoundStart:
 
 @dataclass
 class Confined:
-    """A round, confined: lines 3 to 5 and 7 of Algorithm 1."""
+    """A round with its plan and its feasible box: the result of lines 3 to 5 and 7 of Algorithm 1."""
 
     advice: Advice  # objects and attributes O, prompts p and negative prompts p⁻
     plan: Plan  # range and priority π_i of every parameter, by key
-    ranges: dict[str, tuple[Values, Values]]  # key -> (l_i, u_i) in schema units, azimuths turned to values
+    ranges: dict[str, tuple[Values, Values]]  # key -> (l_i, u_i) in schema units, see `feasible_ranges`
     lower: Tensor  # (N,) lower corner of the feasible box in u
     upper: Tensor  # (N,) upper corner
     u: Tensor  # (N,) the point, projected into the box
-    shots: Sequence[ShotState]  # they draw and judge; all of them are corrected near the point
-    here: RoundStart  # the round before it was planned
+    shots: Sequence[ShotState]  # they draw and judge images, corrected near u
+    here: RoundStart  # what the round was planned from
 
 
 class Confiner:
-    """Plans the rounds of one vibe; `replan` makes the plan of a round of the advisor's, see `Method.plan`."""
+    """Plans the rounds of one vibe. `replan` may change the advisor's plan, see `Method.plan`."""
 
     def __init__(
         self,
@@ -78,14 +78,14 @@ class Confiner:
         replan: Callable[[Mapping[str, Instance], Plan], Plan],
     ) -> None:
         self._vector, self._described, self.advisor, self._replan = vector, described, advisor, replan
-        self._widest: dict[str, float] = {}  # key of a light's size -> the most that it may be in any shot
+        self._widest: dict[str, float] = {}  # key of a light's size -> the largest that fits in all shots
         for shot in shots:
             for own, size in light_sizes(shot.scene, shot.proxy.geometry).items():
                 key = shot.names[own]
                 self._widest[key] = min(self._widest.get(key, size), size)
 
     def advise(self, shots: Sequence[ShotState], u: Tensor, earlier: Plan) -> Advice:
-        """The advice for the first shot at u (N,); its plan has entries of the others for what only they have."""
+        """The advice for the first shot at u (N,). Its plan also has entries for parameters that only other shots have."""
         advice: Advice | None = None
         entries: dict[str, PlanEntry] = {}
         for shot in shots:
@@ -102,7 +102,7 @@ class Confiner:
     def confined(
         self, advice: Advice, u: Tensor, here: RoundStart, shots: Sequence[ShotState], claims: Sequence[Claim]
     ) -> Confined:
-        """The round of a plan: its ranges, their box, and u (N,) projected into it."""
+        """The round of an advice: its plan, the ranges, their box, and u (N,) projected into the box."""
         drawn, plan = here.start.drawn, Plan({**advice.plan, **here.start.turned}, advice.plan.notes)
         ranges = self._ranges(plan, u, here.opening, claims)
         lower, upper = self._vector.bounds(ranges)
@@ -116,11 +116,11 @@ class Confiner:
     def _ranges(
         self, plan: Plan, u: Tensor, opening: float, claims: Sequence[Claim]
     ) -> dict[str, tuple[Values, Values]]:
-        """The plan's ranges at u (N,), those that words name opened; lights stay so small that they touch nothing."""
+        """The plan's ranges at u (N,). Ranges that words name open by `opening`; sizes of lights stay below surfaces nearby."""
         vector = self._vector
         ranges = feasible_ranges(plan, vector.instances, vector.values(u))
         if opening:
-            # No range of a finish opens: that is what its word says.
+            # Ranges of finishes do not open: with a wider range a finish would not be what its word says.
             parameters = {key: vector.instances[key].parameter for key in plan}
             finishes = {k for k, p in parameters.items() if p.group == "material" and p.kind != "color"}
             named = {key for key, entry in plan.items() if entry.is_named and not entry.usual} - finishes
@@ -136,7 +136,7 @@ class Confiner:
 
 
 def carry(plan: Plan, earlier: Plan) -> Plan:
-    """The plan, with values held that an earlier round supported and this one does not: they would stay where it moved them."""
+    """The plan, in which values that only the earlier round let move keep the earlier range and are not optimized further."""
     gone = {k: e for k, e in earlier.items() if e.prior < 1.0 and plan[k].prior == 1.0}
     held = {key: replace(entry, priority=None) for key, entry in gone.items()}
     return Plan({**plan, **held}, plan.notes)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The direction of the key light in a reference image of the same scene, found by the proxy before values are sought.
+"""The direction of the key light in a reference image of the same scene, found with the proxy before the search.
 
-A shadow that lies elsewhere has no slope towards where it belongs, so a search finds directions worst. Light adds up: the key's
-light from a direction is one image, and its strength relative to the rest is tried on the two. Only the pattern of lightness
-is compared, for exposure and grade are not known yet.
+A misplaced shadow has no gradient toward its right place, so gradients find directions worst. Light adds up: for each direction one
+image has the key's light alone, and another that of all other lights. Sums of the two, with several strengths of the key, are
+compared with the reference image. Only the pattern of lightness is compared, because exposure and grade are not known yet.
 """
 
 import itertools
@@ -19,19 +19,22 @@ from ...scene import SceneData
 from ..shots import picture_size
 from ..vector import ParameterVector
 
-_TURNS = tuple(range(-180, 180, 40))  # degrees of azimuth from the artist's
+_TURNS = tuple(range(-180, 180, 40))  # degrees of azimuth from the artist's direction
 _HEIGHTS = (20.0, 50.0)  # degrees of elevation
-_FINER = ((-20, 0), (20, 0), (0, -15), (0, 15))
-_SIZE = 48  # longer side of the pictures, pixels
-_STRENGTHS, _EXPOSURES = (0.25, 0.5, 1.0, 2.0, 4.0), (0.5, 1.0, 2.0)
-_CELLS = 24
-_BETTER = 0.01  # correlation by which another direction has to be better than the artist's
+_FINER = ((-20, 0), (20, 0), (0, -15), (0, 15))  # (azimuth, elevation) degrees from the best direction so far
+_SIZE = 48  # longer side of the images, pixels
+_STRENGTHS, _EXPOSURES = (0.25, 0.5, 1.0, 2.0, 4.0), (0.5, 1.0, 2.0)  # factors on the key, and on all light
+_CELLS = 24  # rows and columns of the grid whose cells are compared
+_BETTER = 0.01  # least gain in correlation over the artist's direction
 
 
 def with_key_turned(
     scene: SceneData, vector: ParameterVector, u: Tensor, lower: Tensor, upper: Tensor, goal: Tensor
 ) -> Tensor:
-    """A point in the box whose key light comes from where it does in an sRGB image (H, W, 3); u (N,) where none is better."""
+    """The point u (N,) with the key light turned, in the box, to its direction in an sRGB image (H, W, 3).
+
+    u itself if no direction is better, or if the scene has not exactly one key light that may turn.
+    """
     keys = [
         key
         for key, instance in vector.instances.items()
@@ -53,7 +56,7 @@ def with_key_turned(
 
 
 class _TurnedKey:
-    """Compares the scene with an image, its key light turned."""
+    """Compares an image with the scene at u whose key light is turned to other directions."""
 
     def __init__(
         self, scene: SceneData, vector: ParameterVector, light: str, u: Tensor, goal: Tensor
@@ -69,7 +72,7 @@ class _TurnedKey:
             self._rest = self._proxy.render(vector.decode(u) | dark).linear
 
     def point(self, azimuth: float, elevation: float) -> Tensor:
-        """(N,) the point with the key light in a direction, degrees."""
+        """(N,) the point u with the key light in a direction, degrees."""
         values = self._vector.encode(dict(zip(self._keys, ((azimuth,), (elevation,)), strict=True)))
         point = self._u.clone()
         for key in self._keys:
@@ -87,7 +90,7 @@ class _TurnedKey:
         box: tuple[Tensor, Tensor],
         best: tuple[Tensor, float],
     ) -> tuple[Tensor, float]:
-        """The best point of some directions within a box, degrees, and of the best so far, with its likeness."""
+        """The point most like the image, and its likeness, among directions (azimuth, elevation), in degrees, and the best so far."""
         for azimuth, elevation in directions:
             point = self.point(azimuth, elevation).clamp(*box)
             if (likeness := self.likeness(point)) > best[1]:
@@ -100,12 +103,12 @@ class _TurnedKey:
         key = self._proxy.render(self._vector.decode(u)).linear - self._rest
         tried = itertools.product(_STRENGTHS, _EXPOSURES)
         lights = [(exposure * (strength * key + self._rest)).clamp_min(0.0) for strength, exposure in tried]
-        # all at once: it is quicker
+        # Developing all images in one call is faster.
         shown = self._proxy.film.show(torch.cat(lights), {}).view(-1, *key.shape)
         rows = torch.cat([self._goal, *map(_cells, shown)]).view(len(lights) + 1, -1)
         return float(torch.nan_to_num(torch.corrcoef(rows)[0, 1:]).max())
 
 
 def _cells(display: Tensor) -> Tensor:
-    """(n,) L* of the cells of an image (H, W, 3)."""
+    """(n,) mean L* of the cells of a grid over an image (H, W, 3)."""
     return F.adaptive_avg_pool2d(lab_from_srgb(display)[..., 0][None, None], _CELLS).flatten()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The method of a search: the product has one, others are plug-ins that override its hooks (`lab/methods`)."""
+"""The method of a search: the product's own, whose hooks plug-ins override (`lab/methods`)."""
 
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -26,13 +26,13 @@ VARIABLE = "VIBE_METHOD"  # a plug-in, MODULE:CLASS, that the engine uses in pla
 
 
 class Method:
-    """Least squares on what the words claim, over the parameters that serve the claims most."""
+    """The product's method: least squares on the words' claims, over the parameters that serve the claims most."""
 
     weights = Weights()  # of the terms of the loss
     every_word = False  # whether the encoder is asked for words that a measure covers, too
 
     def plan(self, instances: Mapping[str, Instance], plan: Plan) -> Plan:
-        """The plan of a round (lines 3 to 5), from the scene's parameters by key, and the plan of the words or a model."""
+        """The plan of a round (lines 3 to 5), made of the advisor's plan; instances are the scene's parameters by key."""
         return plan
 
     def claims(self, claims: tuple[Claim, ...]) -> tuple[Claim, ...]:
@@ -40,16 +40,19 @@ class Method:
         return claims
 
     def guidance(self, encoder: Encoder, advice: Advice, start: Render, every_word: bool = False) -> Guidance:
-        """The judge of similarity to the words that the encoder is asked for (`every_word`: all), calibrated on the artist's image."""
+        """Guidance by the encoder, calibrated on the proxy's image `start` of the artist's values.
+
+        It judges similarity to the words that no measure covers, or with `every_word` to all words.
+        """
         prompts = advice.prompts if every_word or self.every_word else advice.unmeasured
-        if prompts == NO_PROMPTS:  # claims say all
+        if prompts == NO_PROMPTS:  # claims cover all words
             return NoGuidance()
         return PromptGuidance(encoder, prompts, (start.display, start.mask), self.weights)
 
     def select(
         self, now: Confined, vector: ParameterVector, shots: Sequence[ShotState], u: Tensor, options: Options
     ) -> Selection:
-        """S_K (line 6), chosen at u (N,), and what is minimized over it."""
+        """S_K (line 6), chosen at u (N,), and the objective that is minimized over it."""
         return select(now, vector, shots, u, options, self.weights)
 
     def descend(
@@ -61,7 +64,10 @@ class Method:
         seed: int,
         follow: Callable[[int, float, Any], bool],
     ) -> Descent:
-        """Lines 8 to 15, from the round's projected point, where S_K was chosen; `follow` is called after each step, see `solve`."""
+        """Lines 8 to 15: the steps from the round's projected point over the `movable` components (N,) bool of S_K.
+
+        `follow` is called after each step, see `solve`.
+        """
         return solve(chosen.objective, now.u, movable, now.lower, now.upper, steps, follow, chosen.model)
 
 

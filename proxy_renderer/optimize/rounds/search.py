@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A vibe's scene, words and method, and the lines of Algorithm 1 that a round consists of."""
+"""The scene, words and method of one vibe, and a method for each part of a round of Algorithm 1."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -31,33 +31,33 @@ from .key_start import with_key_turned
 from .method import Method
 from .selection import Selection
 
-_VALUES = 48  # that a round for a reference image may refine, at least
+_VALUES = 48  # least number of parameters that a round for a reference image may optimize
 _STRIDE, _FURTHER_STRIDE = 0.05, 0.25
-"""Of a value's whole range: a projection that moves none by more needs no new anchor; that of a further sentence, which
-begins near where it ends, less often."""
+"""Share of a value's whole range. If the projection moves no value by more, no new anchor is rendered. The second is for a further
+sentence, which begins near its result."""
 
 
 class Missed(NamedTuple):
-    """Distance of images from the words' claims; the least is the best."""
+    """Distance of images from the words' claims; a smaller tuple is better."""
 
-    # sum over claims of how far each is missed, see `claims_loss`: one that is far off, as a subject that can hardly
-    # be seen, counts more than two that are nearly satisfied
+    # sum over the claims' misses, see `claims_loss`: one that is missed by far, as when the subject is hardly
+    # visible, counts more than two that are nearly satisfied
     distance: float
     claims: int  # number of claims that are not satisfied
 
 
 class Search:
-    """One vibe. Its claims and the artist's images are settled in the first round; guidance follows the advice.
+    """One vibe. The first round sets its claims and the artist's images; each round's advice sets the guidance.
 
-    Without an advisor the offline planner is asked; without a method it is the product's.
+    The default advisor is the offline planner, and the default method is the product's.
 
     Attributes:
-        shots: One or several, each with its proxy, as loaded. Plans are made for the first.
+        shots: One or several, each with its own proxy, as loaded.
         rounds: R, the most rounds from each start.
         reference: The image that replaces words, or adds to them; None for words alone.
-        pictured: Whether a reference image is among the goals; its wishes may come without it.
-        confiner: Plans, and makes boxes of plans.
-        looks: Shown before the end; None where nobody wants them, and for several shots.
+        pictured: Whether the goals have wishes of a reference image; written goals may have them without an image.
+        confiner: Makes the plans of rounds, and the boxes of plans.
+        looks: Makes the looks before the end; None if the observer wants none, and for several shots.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class Search:
         self.reference = Reference.of(options, views[0].scene)
         written = stage.goals.pictured if isinstance(stage.goals, Goals) else ()
         self.pictured = bool(self.reference or written)
-        if self.pictured:  # it speaks of all of light and grade at once
+        if self.pictured:  # a reference image is about all of light and grade at once
             options = replace(options, top_k=max(options.top_k, _VALUES))
         self.options = options
 
@@ -91,36 +91,36 @@ class Search:
         )
         self.confiner = Confiner(self.vector, self.shots, described, asked, self.method.plan)
         self.several = options.variants > 1
-        # Variants have the time of one vibe in common, as far as that goes.
+        # Each variant gets half the rounds, so that several take less time than as many vibes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
         self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, observer)
         self._encoder = encoder
         self.claims: tuple[Claim, ...] = ()  # of words and reference image; none before the first round
-        # Each shot's image of the artist's values, which guidance is relative to
+        # Each shot's image of the artist's values, on which guidance is calibrated
         self._artist: list[Render] = []
-        self._asked: object = None  # what the guidance is for
-        self._guidance: list[Guidance] = []  # of each shot
+        self._asked: object = None  # the captions that the guidance was made for
+        self._guidance: list[Guidance] = []  # one for each shot
         alone = len(self.shots) == 1 and observer.wants_looks
         self.looks = Looks(self.shots[0], described) if alone else None
 
     def _with_picture(self, advisor: Advisor, words: bool) -> Advisor:
-        """An advisor for the picture, if there is one, and for words, if there are any."""
+        """An advisor for the reference image, if there is one, and for words, if there are any."""
         if self.reference is None:
             return advisor
-        if len(self.shots) > 1:  # it shows one of them at most
+        if len(self.shots) > 1:  # the image shows at most one of the shots
             self.reference.same = False
         seen = partial(self.shots[0].gbuffer, self.vector.encode({}))
         return LikeAdvisor(self.reference, advisor if words else None, seen)
 
     def show_plan(self) -> None:
-        """Shows what the words alone give, before the first anchor; the words' own plan, also where a model is asked later."""
+        """Shows what the words alone give, before the first anchor. The plan is always the offline planner's."""
         if self.looks is None:
             return
         try:
             u, advice = self.looks.planned(self._offline)
-        except VibeError:  # if nobody else understands the words either, the first round says so
+        except VibeError:  # the first round raises the error again, unless its advisor understands the words
             return
-        self.observer.begin(self.looks.before, True)  # Cycles has not been asked yet
+        self.observer.begin(self.looks.before, True)  # whether Cycles' image is black is not known yet
         self.observer.look(self.looks.values(u))
         claims = self._stage.claims(advice.goals)
         self.observer.look(self.looks.drawn(u, claims))
@@ -150,7 +150,7 @@ class Search:
         return now
 
     def _equipped(self, shots: Sequence[ShotState], u: Tensor, advice: Advice) -> list[ShotState]:
-        """The shots at u (N,) with the claims, where they have none yet, and with guidance by a round's advice."""
+        """The shots at u (N,) with guidance by a round's advice; shots without claims get them."""
         if self._asked != (asked := (advice.prompts, advice.unmeasured)):
             self._asked, every = asked, bool(self.options.encoder)
             self._guidance = [
@@ -160,7 +160,7 @@ class Search:
         return [replace(shot.judged(self.claims, image, u), guidance=g) for shot, image, g in rows]
 
     def placed(self, now: Confined) -> Confined:
-        """The round at the point where its steps begin, with the proxies corrected there."""
+        """The round at the point where its steps begin, see `with_key_turned`, with the proxies corrected there."""
         u, here = now.u, now.here
         if not here.earlier and self.reference and self.reference.same:
             goal = self.reference.display
@@ -170,7 +170,7 @@ class Search:
         return replace(now, u=u, shots=shots)
 
     def select(self, now: Confined, u: Tensor, shots: Sequence[ShotState] = ()) -> Selection:
-        """S_K (line 6), chosen at u (N,), and the objective over it; `shots` judge, all of the round if there are none."""
+        """S_K (line 6), chosen at u (N,), and the objective over it, which `shots` judge, or by default all of the round."""
         return self.method.select(now, self.vector, shots or now.shots, u, self.options)
 
     def descend(self, now: Confined, chosen: Selection) -> Descent:
@@ -180,7 +180,10 @@ class Search:
         return self.method.descend(now, chosen, movable, self.options.steps, seed, follow)
 
     def seen(self, shots: Sequence[ShotState], u: Tensor, number: int) -> tuple[list[ShotState], Missed]:
-        """The shots as Cycles has them at u (N,), in a round of this number, and how far they are there from the claims."""
+        """The shots, corrected by Cycles images at u (N,), and the distance of these images from the claims.
+
+        `number` is that of the round.
+        """
         shots = [shot.anchored(u, number).viewed(u) for shot in shots]
         residuals = [r for shot in shots for r in shot.missed(u)]
         distance = float(claims_loss(residuals)) if residuals else 0.0

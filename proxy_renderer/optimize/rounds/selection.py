@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The update set S_K of a round (equation 7; Algorithm 1, line 6): what serves the claims most, and each only once.
+"""The update set S_K of a round (equation 7; Algorithm 1, line 6): the parameters that serve the claims most, without duplicates.
 
-Many parameters do the same to a picture: exposure and the power of a lamp, the color of a lamp and the film's gain. The
-claims cannot tell their values apart (the paper's scale ambiguity). So parameters are chosen one after the other, by what
-each can still add to those before it, as in orthogonal matching pursuit (Pati, Rezaiifar and Krishnaprasad 1993); and one
-that does the same as one of them, and can add nothing to it, is held for the round.
+Many parameters have the same effect on an image: exposure and the power of a light, or the color of a light and the film's gain.
+The claims cannot tell their values apart (the paper's scale ambiguity). So parameters are chosen one after the other, by what each
+can add to those before it, as in orthogonal matching pursuit (Pati, Rezaiifar and Krishnaprasad 1993). A parameter that has the
+same effect as a chosen one, and can add hardly anything to it, is held for the round.
 """
 
 import math
@@ -24,30 +24,30 @@ from ..shots import ShotState
 from ..vector import ParameterVector
 from .confiner import Confined
 
-_HALF = 1.5  # places in the order of priorities that half the gain costs
+_HALF = 1.5  # added to a parameter's priority number for each halving of its gain
 _MISSED = 3.0
-"""More such places where claims are missed for long: what words name goes first, but what it cannot earn is left to what can."""
+"""More of that per unit of `RoundStart.opening`: if claims stay missed for rounds, gain counts more than what words name."""
 
-_FAINTEST = 2.0**-20
+_FAINTEST = 2.0**-20  # least share of the largest gain that is counted
 
-_WORTH = 1.0  # noticeable steps that supporting parameters have to gain, or they stay as the artist has them
-ALIKE = 0.9  # share of a parameter's effect on the claims that another has too: they do the same
-_NOTHING_NEW = 0.1  # share of its gain that is left to it then, up to which it is held
+_WORTH = 1.0  # noticeable steps that supporting parameters have to gain to be candidates at all
+ALIKE = 0.9  # share of a parameter's effect on the claims, reproduced by another, above which both are alike
+_NOTHING_NEW = 0.1  # share of its gain alone that is left next to an alike one, up to which it is held
 
 
 @dataclass(frozen=True)
 class Selection:
-    """Parameters that a round optimizes."""
+    """The parameters that a round optimizes, and its objective."""
 
     keys: list[str]  # S_K, the most useful first
-    objective: RoundObjective  # differentiable in all that was looked at
-    # key of a parameter that is held -> the one of S_K that does the same to the claims
+    objective: RoundObjective  # differentiable in all candidates
+    # key of a held parameter -> key of the parameter of S_K with the same effect on the claims
     shared: dict[str, str] = field(default_factory=dict)
-    # the objective near the point where they were chosen, over the components of S_K; None if nobody needs it
+    # of the objective at the point where S_K was chosen, over the components of S_K; None if it is not known
     model: LinearModel | None = None
 
     def with_reasons(self, plan: Plan) -> Plan:
-        """The plan, with the reasons of parameters that are held."""
+        """The plan, in which the reasons of held parameters say why they are held."""
         held = {}
         for key, other in self.shared.items():
             reason = f"{plan[key].reason}; held: {other} does the same to what is claimed"
@@ -63,9 +63,12 @@ def select(
     options: Options,
     weights: Weights,
 ) -> Selection:
-    """S_K (equation 7), chosen at u (N,): the `top_k` parameters that receive gradients; raises VibeError if words name none."""
+    """S_K (equation 7), chosen at u (N,): at most `top_k` parameters that receive gradients.
+
+    Raises VibeError if words name none that may change.
+    """
     plan, lower, upper = now.plan, now.lower, now.upper
-    # Moving the camera means tracing everything again: only words are worth that.
+    # A moved camera means tracing all rays again, so it only moves if words name it.
     probed = {
         k
         for k in relevant(plan, vector, upper > lower)
@@ -73,10 +76,10 @@ def select(
     }
     pictured = bool(now.advice.goals.pictured)
     objective = RoundObjective(shots, vector, plan, probed, (lower, upper), weights, pictured)
-    if not probed:  # words link lights, and nothing else
+    if not probed:  # the words only link lights
         return Selection([], objective)
 
-    # The loss near u over all of these keys, in shares of their ranges, and each key's part of it
+    # The model at u over all candidates, in shares of their ranges, and the slice of each key's components
     wide = vector.mark(probed) & (upper > lower)
     before, span = wide.cumsum(0), (upper - lower)[wide]
     model = linearize(objective, u, wide, span)
@@ -97,9 +100,9 @@ def select(
 
 
 def relevant(plan: Plan, vector: ParameterVector, wide: Tensor) -> set[str]:
-    """Keys that a round may change, of components (N,) bool that have a range.
+    """The keys that a round may change; `wide` (N,) bool marks the components whose range has a width.
 
-    If words name none of them, there are none where words link lights; else that is a VibeError.
+    If words name none of these keys, the result is empty if the words link lights; otherwise VibeError is raised.
     """
     found = {k for k, e in plan.items() if e.priority is not None and wide[vector.slices[k]].any()}
     if all(plan[key].prior > 0.0 and not plan[key].any_hue for key in found):
@@ -114,7 +117,7 @@ def relevant(plan: Plan, vector: ParameterVector, wide: Tensor) -> set[str]:
 def needed(
     plan: Plan, model: LinearModel, parts: Mapping[str, slice], low: Tensor, high: Tensor
 ) -> Mapping[str, slice]:
-    """The parts that the words name; all if supports can do more. A red sofa in a sunlit room needs no darker room."""
+    """The parts that words name, or all parts if supporting parameters improve the predicted loss by more than `_WORTH`."""
     named = {key: part for key, part in parts.items() if plan[key].is_named}
     free = torch.zeros(len(low), dtype=torch.bool)
     for part in named.values():
@@ -133,11 +136,13 @@ def choose(
     high: Tensor,
     half: float = _HALF,
 ) -> tuple[list[str], dict[str, str]]:
-    """The K most important parameters, refined by how much each can still lower the loss next to those before it.
+    """The K most important parameters, by priority and by how much each can still lower the loss next to those chosen before.
 
-    Half the gain costs some places, `half`: a parameter at the right end of its range, or one that the loss does not depend on,
-    makes room for one that still helps. A smaller priority is more important; a color counts as one. Also returned are keys that
-    are held -> the key that does the same.
+    Each halving of the gain adds `half` to the priority number, and the smallest number comes first. So a parameter at the right end
+    of its range, or without effect on the loss, makes room for one that helps. A color counts as one parameter.
+
+    Returns:
+        The chosen keys, and a mapping from held keys to the chosen key with the same effect.
     """
     move, free = torch.zeros_like(low), torch.zeros(len(low), dtype=torch.bool)
     left = dict(parts)

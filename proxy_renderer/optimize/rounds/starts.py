@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Several starts: drawn inside the plan's ranges, tried in a coarse first pass, told apart by their pictures."""
+"""Several starts: drawn in the plan's ranges, tried in a coarse pass, and chosen by loss and by how different their images are."""
 
 from collections.abc import Mapping
 from copy import copy
@@ -22,7 +22,7 @@ from .search import Search
 
 _COARSE_STEPS = 8
 VARIED = "left open by the words: varied, so that the variants differ"
-_PER_VARIANT = 3  # starts for each variant: some come to nothing, some look like others
+_PER_VARIANT = 3  # starts that are tried for each variant: some have a high loss, some look alike
 _ROAM: dict[str, tuple[float, float, bool]] = {  # how far down and up, and whether by factors
     "light/azimuth": (-75.0, 75.0, False),
     "light/elevation": (-15.0, 20.0, False),
@@ -30,14 +30,18 @@ _ROAM: dict[str, tuple[float, float, bool]] = {  # how far down and up, and whet
     "light/angle": (0.3, 3.0, True),
     "world/rotation": (-75.0, 75.0, False),
 }
-"""Parameters that may differ between variants where the words leave them open: all lights turn as one."""
-_OF_RIGS = 0.45  # of those degrees, what the lights of a rig may be turned by: they stay what their word says
-_CELLS = 16
-_LAST = 99  # priority of what no word names
+"""Families that may differ between variants if the words leave them open. Lights turn together, by the same share."""
+_OF_RIGS = 0.45  # share of those degrees by which a rig's lights may turn, so that they still fit their word
+_CELLS = 16  # rows and columns of the grid whose cells are compared
+_LAST = 99  # priority of varied parameters, which no word names
 
 
 def find_starts(search: Search) -> list[Start]:
-    """The artist's scene; or for each variant one of the points tried in a coarse pass: of least loss, and the most different."""
+    """One start, or one for each variant.
+
+    The only start is the artist's scene, or with the option `starts` the drawn point of least loss. For variants, several points are
+    drawn and tried in a coarse pass. The first variant starts at the plan's own point, others at those that look most different.
+    """
     home, options = search.vector.encode({}), search.options
     number = max(options.starts, _PER_VARIANT * options.variants if search.several else 1)
     artist = Start(home, search.shots)
@@ -68,7 +72,7 @@ def find_starts(search: Search) -> list[Start]:
 
 
 def _coarse_pass(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, float, Tensor]:
-    """The end point (N,) of a few steps on few views, its loss on all views, and the first shot's image (H, W, 3)."""
+    """The end (N,) of a few steps with few crops for the encoder, its loss with all crops, and the first shot's image (H, W, 3)."""
     few = []
     for shot in now.shots:
         guidance = copy(shot.guidance)
@@ -96,10 +100,10 @@ def _coarse_pass(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, 
 def draw_starts(
     vector: ParameterVector, plan: Plan, u: Tensor, box: tuple[Tensor, Tensor], number: int, seed: int
 ) -> list[Tensor]:
-    """Points of the feasible box, the first of them u (N,) itself.
+    """Points (N,) of the feasible box, the first of them u itself.
 
-    What the plan optimizes is drawn anew from its range, a color's components at one place in theirs: the corners
-    of the box are other hues. What `roam` has opened moves as one.
+    Parameters that the plan optimizes are drawn from their ranges. All components of a color are at the same place in their ranges,
+    because other combinations are other hues. Parameters of one name that `roam` has opened share a place, too.
     """
     generator = torch.Generator().manual_seed(seed)
     keys = [key for key, entry in plan.items() if entry.priority is not None]
@@ -117,7 +121,7 @@ def draw_starts(
 
 
 def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
-    """The plan, with ranges to draw from for how the scene is lit where the words leave that open: of a rig only its lights."""
+    """The plan, with ranges to draw lighting parameters from if the words leave them open; with a rig only the rig's own."""
     roaming = Plan(dict(plan), plan.notes)
     of_rig = any(entry.varies for entry in plan.values())
     for key, entry in plan.items():
@@ -135,7 +139,7 @@ def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
 
 
 def turned(plan: Plan, vector: ParameterVector, u: Tensor) -> dict[str, PlanEntry]:
-    """Entries of a rig's lights for a variant that starts at u (N,): as wide as the plan's, around that."""
+    """Key -> entry of a rig's lights for a variant that starts at u (N,): ranges as wide as the plan's, centered on u."""
     values, found = vector.values(u), {}
     for key, entry in plan.items():
         if entry.varies:
@@ -147,7 +151,7 @@ def turned(plan: Plan, vector: ParameterVector, u: Tensor) -> dict[str, PlanEntr
 
 
 def with_reasons(plan: Plan, vector: ParameterVector, u: Tensor) -> Plan:
-    """The plan, with the reason "varied" for what u (N,) has varied."""
+    """The plan, with the reason `VARIED` for parameters without words that differ at u (N,) from the artist's values."""
     moved = vector.values(u)
     varied = {
         key: replace(entry, reason=VARIED)
@@ -160,14 +164,14 @@ def with_reasons(plan: Plan, vector: ParameterVector, u: Tensor) -> Plan:
 
 
 def distance(a: Tensor, b: Tensor) -> float:
-    """Difference of two images (H, W, 3): mean Lab distance of their cells, which ignores fine detail."""
+    """Difference of two images (H, W, 3): mean Lab distance of the cells of a coarse grid, which ignores fine detail."""
     labs = (lab_from_srgb(display.detach()).permute(2, 0, 1) for display in (a, b))
     first, other = (F.adaptive_avg_pool2d(lab, _CELLS) for lab in labs)
     return float((first - other).norm(dim=0).mean())
 
 
 def most_diverse(pictures: list[Tensor], losses: list[float], number: int) -> list[int]:
-    """Indices of images (H, W, 3) that differ most, the first one and others of the better half by their losses."""
+    """Indices of up to `number` images (H, W, 3) that differ most: the first image, and others whose losses are in the better half."""
     ranked = sorted(range(len(losses)), key=losses.__getitem__)
     good = ranked[: max(-(-len(ranked) // 2), number)]
     chosen = [0]
