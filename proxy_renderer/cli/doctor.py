@@ -126,7 +126,7 @@ def _model() -> str:
 
 
 def try_model(endpoint: Endpoint) -> str:
-    """Shows the model a red square and returns what it says, what its server understands, and the time."""
+    """Shows the model a red square; returns a line on its answer, the request format that it takes, and the time."""
     from PIL import Image
 
     from ..vlm.client import Client, Question, jpeg_of

@@ -99,7 +99,7 @@ class RemoteObserver:
         self._previewed = self._reported = 0.0
 
     def stage(self, name: str) -> None:
-        """Reports what is going on outside of the loop."""
+        """Reports the name of a stage outside of the loop."""
         self._wire.send(messages.Stage(name))
 
     def begin(self, display: Tensor, lit: bool) -> None:

@@ -162,7 +162,7 @@ def rec709_from(chromaticities: Sequence[float]) -> np.ndarray:
 
 
 def _layer(path: Path) -> tuple[np.ndarray, Mapping[str, Any]]:
-    """The pixels (H, W) or (H, W, 3 or 4) of the layer that is the picture, and the header of its part."""
+    """The pixels (H, W) or (H, W, 3 or 4) of the main layer, and the header of its part."""
     import OpenEXR
 
     try:

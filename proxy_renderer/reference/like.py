@@ -37,7 +37,7 @@ from .regions import PictureRegions, regions_of
 
 
 class Reference:
-    """The picture that a look is taken from, named by its file."""
+    """The reference image, with the name of its file."""
 
     def __init__(self, picture: ReferencePicture, name: str, options: Options) -> None:
         self.picture, self.name, self._only = picture, name, options.like_only

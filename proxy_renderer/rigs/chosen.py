@@ -243,7 +243,7 @@ class _Build:
             self._take(attribute, (part,), ("rim", "color"))
 
     def add(self, attribute: Attribute) -> None:
-        """Adds the lights of a rig that only adds, or takes such lights away."""
+        """Adds the lights of a word's rig, "rim light", or removes such lights if the word is negated."""
         parts, added = self.table.parts(attribute.entry), self.table.rigs[attribute.entry].lights
         rest = tuple(light for light in self.rig.lights if light.part not in parts)
         self.rig = replace(self.rig, lights=rest if attribute.negated else (*rest, *added))

@@ -192,7 +192,7 @@ def _balanced(
     for each in lights:
         for key in (f"light/{each.name}/power", f"light/{each.name}/strength"):
             if key in out and each.own and not levels.factors[each.name]:
-                out[key] = scene.value(key)  # it reaches nothing that is measured, but it burns
+                out[key] = scene.value(key)  # it reaches no measured point, but it stays on
             elif key in out:
                 out[key] = (out[key][0] * levels.factors[each.name],)
     if rig.world is not None and "world/strength" in scene.instances:
@@ -328,7 +328,7 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
         own = scene.instances[key].value[0]
         tint = luminance(scene.value(color, (1.0, 1.0, 1.0)))
         shed = own * tint * luminance(glow.color) * glow.strength * glow.light
-        if rig.has_dark_sky:  # what glows is the lamps of the picture, which do not outshine the key
+        if rig.has_dark_sky:  # glowing surfaces are lamps then, and must not outshine the key
             if material not in subject and shed > _LAMPS * white:  # a lantern stays lit
                 found[key] = (own * _LAMPS * white / shed,)
         elif shed > _GLOWS * white:

@@ -156,7 +156,7 @@ def _share(stage: LightStage, light: RigLight, candidate: Light) -> float:
 
 
 def _added(light: RigLight, stage: LightStage, taken: set[str], alone: bool) -> Placed | None:
-    """A light that the scene gets: at a lamp that it has, through its windows, or where it reaches its target best."""
+    """An added light: at a lamp of the scene, as a sun through its windows, or where it reaches its target best."""
     at_lamp = next(_at_lamps(light, stage), None)
     if at_lamp is not None:
         return _made(light, "POINT", at_lamp, stage, taken, fixed=True)

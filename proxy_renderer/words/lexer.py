@@ -199,7 +199,8 @@ class Lexer:
             or get_close_matches(text, self.names, 1, _NAME_ALIKE)
             or get_close_matches(text, spelling, 3, _ALIKE)
         )
-        known = next((w for w in near if w[0] == text[0]), "")  # then an error is likelier than a rare word
+        # if the first character is right, an error is likelier than a rare word
+        known = next((w for w in near if w[0] == text[0]), "")
         return replace(self._phrase(known), text=text, guess=known) if known else token
 
 

@@ -93,7 +93,7 @@ def _objects(
 
 
 def _called(noun: str, scene: SceneDescription, vocabulary: Vocabulary) -> tuple[str, ...]:
-    """The objects that a noun names: by their names, by what they are in the image, or as the subject or all around it."""
+    """The objects that a noun names: by their names, by the shape of their materials, or as subject or surroundings."""
     fillers = vocabulary.lists["stop"] | vocabulary.lists["definite"]
     noun = " ".join(word for word in normalize(noun).split() if word not in fillers)
     if not noun:

@@ -132,7 +132,7 @@ class _NounFinder:
         if token.text in self.vocabulary.roles:  # a "blue rim" is of light, though glasses have rims
             named = [n for n in named if n.kind == "lights"] or self._surely(named)
         last = said[-1:]
-        if not named and len(said) > 1 and token.noun != "tone":  # "the whole picture" hangs on no wall
+        if not named and len(said) > 1 and token.noun != "tone":  # "the whole picture" is no object
             named, said = self.index.named(last), last
         if said == last and last[0] in self.vocabulary.lists["anylight"]:  # not one that is called "Light"
             plural = token.text.endswith("s")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sets of materials and lights of a scene that nouns may name, by name ("lamp") or by present look ("the navy surface")."""
+"""Finds the materials and lights that a noun may mean: by name ("lamp"), or by present look ("the navy surface")."""
 
 import math
 from collections import defaultdict

@@ -251,7 +251,7 @@ def with_choices(
 
 
 def _means(key: str, said: set[str], number: int, english: Mapping[str, str]) -> bool:
-    """True if a key is that of a look word with the wordings `said`, which is number `number` of equal words."""
+    """True if a key means a look word with the wordings `said`; a number in the key has to be `number`."""
     word = plain_key(key)
     translated = normalize(english.get(word, ""))
     called = {normalize(word), translated, *translated.split()}

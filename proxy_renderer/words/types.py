@@ -38,8 +38,8 @@ class MaterialLook:
     glows: bool = False  # whether it emits light
     share: float = 0.0  # of the image's pixels
     worn: Mapping[str, float] = field(default_factory=dict)  # object -> its share of the image with it
-    # what its shape clearly is: "ground", "support" (the subject stands on it), "wall", "roof", "ceiling"; "walls" if
-    # it covers several
+    # what its shape clearly is: "ground", "support" (the subject stands on it), "wall", "roof", "ceiling"; "walls" for
+    # each of several materials of walls
     structures: frozenset[str] = frozenset()
 
 
@@ -63,13 +63,13 @@ class PictureStats:
     percentiles: tuple[float, float, float] | None = None  # L* of the image at 5, 50 and 95 percent
 
 
-WEAKEST, STRONGEST = 0.05, 3.0  # of words: "very, very, very dark" is as dark as it gets
+WEAKEST, STRONGEST = 0.05, 3.0  # limits of the strength of a word: "very, very, very dark"
 GLOW = "material/"  # before the name of a material in a list of lights: the glow of that material
 
 
 @dataclass(frozen=True)
 class SceneDescription:
-    """A scene as words and plans know it; everything is empty or unknown where there is none."""
+    """A scene as words and plans know it; what is not known is empty or None."""
 
     subject: str = ""  # name of the subject, say the mesh file's; "" when unknown
     objects: dict[str, Region] = field(default_factory=dict)  # object name -> region
@@ -196,7 +196,7 @@ class PromptWord:
     strength: float = 1.0  # 1 as named; below for "slightly", above for "very"
     negated: bool = False  # "no", "without", "not"
     target: str = NOT_USED  # name of what it describes, see `schema.targets`; "not used" where it is left out
-    thing: str = ""  # what the prompt calls that: "cube"; "" where it says only the word
+    thing: str = ""  # the prompt's noun for the target: "cube"; "" if it has only the word
     confidence: float = 1.0  # probability of the target; 1 where the artist says so, or the scene lacks it
     # what it may describe, the target first, then the likeliest; empty for a word that is no look word
     candidates: tuple[Candidate, ...] = ()

@@ -25,7 +25,7 @@ COLORS = (
     "black", "grey", "white", "brown", "red", "orange", "yellow", "green", "teal", "blue", "purple", "pink",
 )  # fmt: skip
 PARTS = ("thing", "subject", "surroundings", "picture", "sky")
-_TINTS = ("tint", "accent")  # measures of which only what lies in the direction of a color counts
+_TINTS = ("tint", "accent")  # measures that need a color, in whose direction they measure
 _IN_TWO = ("off_hue", "cast", "shadow_cast", "midtone_cast", "highlight_cast", "chromaticity")
 _NUMBERS = {"color": 3, "mean": 3, **dict.fromkeys(_IN_TWO, 2)}  # measure -> how many, if several
 _NUMBER = r"-?\d*\.?\d+"
@@ -46,12 +46,12 @@ class ClaimText:
     measure: str  # a key of `claims.measures.registry.MEASURES`
     lower: Values = (-math.inf,)  # of the interval, a number for each that the measure gives
     upper: Values = (math.inf,)  # likewise
-    # since the artist's image, that is enough, too; None if only the interval counts
+    # change since the artist's image that is enough, too; None if only the interval counts
     change: float | None = None
     near: bool = True  # whether a change is enough near the interval only
     color: str = ""  # "#rrggbb" in whose direction a tint counts; "" for measures that need none
     box: Values = ()  # left, upper, right and lower end in the frame, as shares of its width and height; () for all of it
-    weight: float = 1.0  # of a missed step in the search; 0 for a fact that "colder" compares with
+    weight: float = 1.0  # of a missed step in the search; 0 if it only states a fact, for "colder"
     reason: str = ""  # why it is claimed; "" where the word says it
     by: bool = False  # whether both ends are noticeable steps from the value of the artist's image
 
@@ -92,7 +92,7 @@ def warmth_asked(measure: str, lower: float, upper: float) -> int:
 
 
 def read_claim(text: str) -> ClaimText:
-    """Reads a claim, see the head of this file; an end that is left out is open. Raises VibeError for what is none.
+    """Reads a claim, see the head of this file; an end that is left out is open. Raises VibeError for another text.
 
     Example:
         >>> read_claim("picture warmth 8.. or +4").lower

@@ -19,7 +19,7 @@ from .rigs import rig_table
 
 _SHORTEST_STEM = 2  # characters; a stem has more
 # Colors between colors
-_ALONE = 0.7  # chroma of what is only "greenish"
+_ALONE = 0.7  # factor on chroma of a color that is only "greenish"
 _TINGE = 0.4  # share of the first color in "greenish blue"
 _HALF = 0.5  # in "green blue"
 _KIND = 2 / 3  # in "khaki green"
@@ -27,7 +27,7 @@ _BASIC = frozenset([*COLORS, "gray"])
 _KINDS = _BASIC - {"white", "black"}  # colors that have kinds: "navy white" is two colors
 # Color temperatures
 _LEAST, _MOST, _STEP = 1300, 15500, 100  # kelvins of the entries
-_REACH = 0.03  # share by which a light may differ from what it is said to be
+_REACH = 0.03  # share by which a light's kelvins may differ from those of the prompt
 _WARM = 4800  # kelvins below which light is warm
 _COOL = 7200  # above which it is cool
 T = TypeVar("T")

@@ -99,7 +99,7 @@ class Nearest:
         import numpy as np
 
         self._table = table()
-        # Phrases such as "just after sunrise" tell nothing of a single word
+        # no phrases such as "just after sunrise", whose vectors say nothing about single words
         words = {w: e for w, e in vocabulary.synonyms.items() if w not in hour_phrases()}
         known = [(w, e, self._table.vector(w)) for w, e in words.items()]
         self._known = [(word, entry) for word, entry, vector in known if vector is not None]
