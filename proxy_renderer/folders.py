@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Folders of a user's files: settings, and what can be made again."""
+"""Folders of a user's files: settings, and caches."""
 
 import os
 from pathlib import Path
@@ -16,7 +16,7 @@ def config_folder() -> Path:
 
 
 def cache_folder(part: str) -> Path:
-    """The user's folder for what can be made again, such as "vlm", the answers of models; it need not exist."""
+    """The user's folder for one kind of cached files, such as "vlm", the answers of models; it need not exist."""
     if named := os.environ.get(CACHE):
         return Path(named).expanduser().resolve() / part
     return user_cache_path(_NAME, appauthor=False, opinion=False) / part

@@ -24,17 +24,17 @@ class Station:
         self._worker = Worker(setup)
         self._jobs = out / "jobs"
         self._shares = (read_json(out / TOKEN) or {}).get("token") == token
-        self._node = os.getppid()  # the node's own process has started this one
+        self._node = os.getppid()  # Ray's process on this node, which has started this one
 
     def shares(self) -> bool:
         """True if this machine sees the results folder."""
         return self._shares
 
     def run(self, job: Job, *scenes: bytes) -> tuple[JobRow, dict[str, bytes]]:
-        """Carries out a job, and returns its files where they cannot be put into the results folder."""
+        """Carries out a job; returns its row, and its files by path if this machine does not see the results folder."""
         row, files = self._carry_out(job, *scenes)
         if row["status"] == "failed" and os.getppid() != self._node:
-            # The node has died. Ray kills Blender before this process, which is no failure of the job.
+            # The node has died: Ray has killed Blender before this process. The job has not failed.
             raise Interrupted
         return row, files
 
@@ -44,7 +44,7 @@ class Station:
         with tempfile.TemporaryDirectory(prefix="vibe-batch-") as place:
             folder, sources = Path(place) / "out", []
             for number, (source, content) in enumerate(zip((job.source, *job.more), scenes, strict=True)):
-                sources.append(Path(place) / str(number) / source.name)  # each under its own name
+                sources.append(Path(place) / str(number) / source.name)  # several may have one name
                 sources[-1].parent.mkdir()
                 sources[-1].write_bytes(content)
             row = self._worker.run(replace(job, source=sources[0], more=tuple(sources[1:])), folder)
@@ -57,18 +57,18 @@ class Station:
 
 
 _LOOK = 2.0  # seconds between two looks at the cluster's nodes
-_PATIENCE = 5  # looks at a head that does not answer
+_PATIENCE = 5  # attempts to reach a head node that does not answer
 _FAREWELL = 10.0  # seconds that workers get to end their processes
 
 
 class RayPool:
-    """A `Pool` of stations, as many as the nodes hold."""
+    """A `Pool` of stations: as many as the nodes have room for, and at most `most` unless that is 0."""
 
     def __init__(self, ray: Any, store: Store, setup: Setup, most: int = 0) -> None:
         self._ray, self._store, self._setup, self._most = ray, store, setup, most
         self._station = ray.remote(Station)
         self._nodes: dict[str, list[Any]] = {}
-        self._coming: dict[Any, Any] = {}  # what tells whether it shares -> station that starts
+        self._coming: dict[Any, Any] = {}  # Ray's reference to the answer of `shares` -> station
         self._ready: dict[Any, bool] = {}  # station -> whether it shares the folder
         self._idle: list[Any] = []
         self._out: dict[Any, tuple[Any, Job]] = {}
@@ -87,7 +87,7 @@ class RayPool:
         self._out[station.run.remote(job, *map(self._scene, sources))] = (station, job)
 
     def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
-        """As `Pool.wait`; stations that come and go meanwhile are taken in."""
+        """As `Pool.wait`; also registers stations that have started, and drops those that have died."""
         self._look()
         waiting = [*self._coming, *self._out]
         if not waiting:
@@ -106,17 +106,17 @@ class RayPool:
     def close(self) -> None:
         """Ends all stations now, and leaves the cluster."""
         stations = [s for group in self._nodes.values() for s in group]
-        with contextlib.suppress(Exception):  # the cluster may be gone, and takes them with it
+        with contextlib.suppress(Exception):  # the cluster may be gone, and its stations with it
             farewells = [station.close.remote() for station in stations]
             self._ray.wait(farewells, num_returns=len(farewells), timeout=_FAREWELL)
             if self._lost:
-                return  # the rest would wait for the head
+                return  # the next calls would wait for the lost head
             for station in stations:
                 self._ray.kill(station)
         self._ray.shutdown()
 
     def _look(self) -> None:
-        """Puts stations on nodes that have come, and forgets those that have gone."""
+        """Starts stations on new nodes, and drops the stations of nodes that are gone."""
         if time.monotonic() < self._next:
             return
         self._next = time.monotonic() + _LOOK
@@ -133,7 +133,7 @@ class RayPool:
                     group.append(self._start(node, resources))
 
     def _check_head(self) -> None:
-        """Notices that the head is gone before Ray does, which then ends this process without a word of ours."""
+        """Raises VibeError if the head node is gone, before Ray notices and ends this process without a message."""
         host, port = self._ray.get_runtime_context().gcs_address.rsplit(":", 1)
         for _ in range(_PATIENCE):
             try:
@@ -157,7 +157,7 @@ class RayPool:
         return station
 
     def _forget(self, station: Any) -> None:
-        """A station has died; the next look at its node, if that is there, starts another."""
+        """Removes a station that has died; `_look` starts another if the node is still alive."""
         for group in self._nodes.values():
             if station in group:
                 group.remove(station)
@@ -166,7 +166,7 @@ class RayPool:
             self._idle.remove(station)
 
     def _end(self, reference: Any) -> tuple[Job, JobRow | None]:
-        """Takes in a job that has ended; None for its row if its station has died."""
+        """A job that has ended, and its row, None if its station has died; writes the files that the station sent."""
         station, job = self._out.pop(reference)
         try:
             row, files = self._ray.get(reference)
@@ -183,7 +183,7 @@ class RayPool:
         return job, row
 
     def _scene(self, source: Path) -> Any:
-        """A scene in the object store, where the nodes find it."""
+        """Ray's reference to a scene file, which the first call puts into the object store."""
         if source not in self._scenes:
             self._scenes[source] = self._ray.put(source.read_bytes())
         return self._scenes[source]

@@ -28,7 +28,7 @@ from .worker import Setup
 
 
 class BatchProgress(TerminalBar):
-    """Counts jobs and shows them: `counts` by "done", "failed" and "running"."""
+    """Counts jobs and shows the numbers; the keys of `counts` are "done", "failed" and "running"."""
 
     def __init__(self, total: int, done: int) -> None:
         self._total, self._before = total, done
@@ -82,14 +82,15 @@ def _clock(seconds: float) -> timedelta:
 
 
 _LISTED = 12
-_MEASURED = 50  # finished jobs that an estimate looks at
+_MEASURED = 50  # most finished jobs whose times an estimate uses
 
-# Seconds on two cores at 512 pixels and 128 samples, from `vibe demo`: see "Speed" in the README.
+# Seconds on two cores, from `vibe demo` (see "Speed" in the README): the start, a round's anchor of a shot, a step, and
+# the final renders of a shot at 512 pixels and 128 samples.
 _FIXED, _ROUND, _STEP, _RENDERS = 5.0, 3.0, 0.14, 12.0
 
 
 def account(plan: BatchPlan, out: Path, workers: int) -> str:
-    """The plan as text."""
+    """The plan as text: jobs done and to do, jobs by scene, and the estimated time; 0 `workers` for a cluster."""
     scenes = Counter(job.scene for job in plan)
     folders = {job.name: out / "jobs" / job.name for job in plan}
     to_do = [job for job in plan if not (folders[job.name] / DONE).is_file()]
@@ -100,7 +101,7 @@ def account(plan: BatchPlan, out: Path, workers: int) -> str:
     lines += [f"         ... and {len(scenes) - _LISTED} more scenes"] if len(scenes) > _LISTED else []
     if not to_do:
         return "\n".join(lines)
-    # Jobs that are done tell the time of others; without any it is a guess.
+    # The times of finished jobs predict those of the others; without finished jobs, `guess` does.
     rows = filter(None, (read_json(folder / DONE) for folder in folders.values()))
     seconds = [row["seconds"] for row in islice(rows, _MEASURED)]
     each = mean(seconds or map(guess, to_do))
@@ -119,12 +120,12 @@ def guess(job: Job) -> float:
     cameras = sum(a.startswith("--cameras=") for a in job.arguments)
     frames = 1 + options.get("frames", "").count(",")
     shots = (1 + len(job.more)) * max(cameras, 1) * frames
-    # Steps take the shots in turn; anchors and final pictures are made of each.
+    # A step draws one of the shots, in turn; anchors and final renders are made of every shot.
     return _FIXED + rounds * (_ROUND * shots + steps * _STEP) + _RENDERS * pictures * shots
 
 
 def run(a: argparse.Namespace) -> int:
-    """Carries out the command; returns 0, or 1 if jobs have failed. What is done stays, and the next run continues."""
+    """Carries out the command; returns 0, or 1 if jobs have failed. Another run continues with the jobs not done."""
     plan, limits = manifest.load(a.manifest, a.out)
     if a.workers < 0:
         raise VibeError(f"--workers {a.workers} is out of range.", "Use 1 or more, or leave it out.")
@@ -188,7 +189,7 @@ NAME = "vibe-render.js"
 
 
 def install_job_type(scripts: Path) -> Path:
-    """Copies the job type to a Flamenco Manager's scripts; it proposes this installation's `batch.py`."""
+    """Copies the job type to a Flamenco Manager's scripts, with this installation's `batch.py` as its default."""
     scripts = scripts.expanduser().resolve()
     if not scripts.parent.is_dir():
         raise VibeError(f"There is no folder {scripts.parent}.", "Name the folder of your Flamenco Manager.")

@@ -27,7 +27,7 @@ from .manifest_options import IN_FILES, OptionReader, TomlSource, texts
 
 
 def digest(path: Path) -> str:
-    """Of a file's content."""
+    """SHA-256 of a file's content, in hexadecimal."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
@@ -39,8 +39,9 @@ _KNOWN = ("scenes", "prompts", "seeds", "files", "options", "limits", "scene", "
 class Limits:
     """Cores, memory and time of a job."""
 
-    minutes: float = 60.0  # of wall time; it is ended after that
-    # of Blender and the engine together; it is ended above that. As many workers are started as fit
+    minutes: float = 60.0  # of wall time; a job that takes longer is ended
+    # of Blender and the engine together; a job that uses more is ended. The number of workers is so that each can have
+    # as much
     memory_gb: float = 6.0
     cores: int = 2  # threads of the engine: the same number gives the same values, bit for bit, everywhere
     retries: int = 1  # times that a failed job is tried again
@@ -51,13 +52,14 @@ class Limits:
 class SceneGroup:
     """A scene of the manifest, or several that are to share a look."""
 
-    name: str  # its path from the manifest's folder, with forward slashes; or what the manifest calls them
-    source: Path  # where it is now
-    digest: str  # of its content, and of what else the result depends on
-    prompts: tuple[str, ...]  # to be tried on it
-    seeds: tuple[int, ...]  # likewise
+    # path of a single scene from the manifest's folder, with forward slashes; of several, their name in the manifest
+    name: str
+    source: Path  # path of the scene, or of the first
+    digest: str  # of the scenes' content, and of all other files that the result depends on
+    prompts: tuple[str, ...]  # each is tried with each seed
+    seeds: tuple[int, ...]
     arguments: tuple[str, ...]  # options for Blender's side, without prompt and seed
-    more: tuple[Path, ...] = ()  # where the other scenes are
+    more: tuple[Path, ...] = ()  # paths of the other scenes
 
 
 def load(path: Path, out: Path) -> tuple[BatchPlan, Limits]:
@@ -135,7 +137,7 @@ class _Reader:
         return table
 
     def _prompts(self, given: Any, options: dict[str, Any], *keys: str) -> tuple[str, ...]:
-        """Prompts from a list, or from a file with one on each line; with a picture or goals there need be none."""
+        """Prompts from a list, or from a file with one on each line; with a reference image or goals, they may be missing."""
         if given is None and any(options.get(name) for name in IN_FILES):
             return ("",)
         if isinstance(given, str):
@@ -196,7 +198,7 @@ class _Reader:
         return Limits(**self._table({"limits": table}, "limits"))
 
     def _scenes(self, patterns: Any, *keys: str) -> Iterator[tuple[str, Path]]:
-        """The scenes that patterns name, in the order of the manifest: names in the results, and paths."""
+        """The scenes that patterns match, in the order of the manifest: for each, its name in the results and its path."""
         if not texts(patterns):
             raise self._problem("There are no scenes.", 'Write scenes = ["shots/*.blend"].', *keys)
         for pattern in patterns:
@@ -213,7 +215,7 @@ class _Reader:
                 yield Path(os.path.relpath(self._base / place, self._base)).as_posix(), scene
 
     def _common_digest(self, patterns: Any, vocabulary: str) -> str:
-        """Digest of what every result depends on: linked files and the artist's own words."""
+        """Digest of what every result depends on: the manifest's `files` and the user's vocabulary."""
         if patterns and not texts(patterns):
             raise self._problem("These are not files.", 'Write files = ["textures/**"].', "files")
         linked = []
@@ -230,7 +232,7 @@ class _Reader:
         return hashlib.sha256("\n".join(lines).encode()).hexdigest()
 
     def _named(self, name: str, what: str, *keys: str) -> Path:
-        """The path of a file that the manifest names, once it is known to be readable."""
+        """The path of a file that the manifest names. Raises VibeError if it cannot be read."""
         with self._source.at(*keys):
             return check.file(str(self._base / name), what)
 
@@ -238,7 +240,7 @@ class _Reader:
 # The jobs of a batch: scenes × prompts × seeds, made one at a time
 
 
-_WORDS, _DIGEST = 32, 12  # letters of a prompt, and of the digest, in a folder's name
+_WORDS, _DIGEST = 32, 12  # characters of a prompt, and of the digest, in a folder's name
 _FILES = tuple(f"--{name}=" for name in IN_FILES)
 
 
@@ -249,27 +251,27 @@ class Take:
     blend: int  # its number among the job's scenes
     camera: str = ""  # its name; "" for the .blend's own
     frames: str = ""  # "1-24" or "1,50"; "" for the .blend's own
-    folder: str = ""  # for its frames, in that of the job's frames; "" for that itself
+    folder: str = ""  # subfolder for its frames in the job's folder of frames; "" for that folder itself
 
 
 @dataclass(frozen=True)
 class Job:
-    """One vibe."""
+    """One vibe, or the final frames of its result."""
 
     name: str  # of its folder: readable, and ending in a digest of everything that its result depends on
     scene: str  # as the manifest names it
-    source: Path  # where the scene is now
+    source: Path  # path of the scene, or of the first
     prompt: str  # the look
     seed: int  # of every random choice
     arguments: tuple[str, ...]  # options for Blender's side, with prompt and seed
-    more: tuple[Path, ...] = ()  # where the other scenes are that are to have the same look
-    # None for a vibe; else the final frames of its result to render: "1-24", "" for the scene's own
+    more: tuple[Path, ...] = ()  # paths of the other scenes that are to have the same look
+    # None for a vibe; otherwise the final frames that the job renders of its result: "1-24", "" for the scene's own
     frames: str | None = None
-    takes: tuple[Take, ...] = ()  # the same, for every .blend and camera of the result
+    takes: tuple[Take, ...] = ()  # these frames, for every .blend and camera of the result; empty for a vibe
 
 
 class Jobs(Protocol):
-    """Jobs that are made when they are asked for, again and again."""
+    """Jobs that every iteration creates anew, one at a time."""
 
     def __len__(self) -> int: ...
 
@@ -277,7 +279,7 @@ class Jobs(Protocol):
 
 
 class BatchPlan:
-    """All jobs, in the order of the manifest; a new iteration makes them anew."""
+    """All jobs, in the order of the manifest; every iteration creates them anew."""
 
     def __init__(self, groups: Sequence[SceneGroup]) -> None:
         self.groups = groups
@@ -288,12 +290,12 @@ class BatchPlan:
     def __iter__(self) -> Iterator[Job]:
         version = f"{__version__} {schema_hash()}"
         for group in self.groups:
-            # Where the picture and the goals lie does not matter: the group's digest knows what is in them.
+            # The paths of reference image and goals are left out: the group's digest covers their content.
             options = [each for each in group.arguments if not each.startswith(_FILES)]
             base = hashlib.sha256(json.dumps([group.name, group.digest, options, version]).encode())
             stem = _slug(Path(group.name).stem)
             for prompt in group.prompts:
-                # Without a prompt it is called after its files: "like", "goals".
+                # Without a prompt the job is named after the options for its files: "like", "goals".
                 files = (n for n in IN_FILES if any(a.startswith(f"--{n}=") for a in group.arguments))
                 words = _slug(prompt or "-".join(files))[:_WORDS].strip("-")
                 for seed in group.seeds:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Options in a manifest, those of `vibe run`. A mistake raises VibeError, which names its place in the file."""
+"""The options of `vibe run` in a manifest. A mistake raises VibeError, which names its place in the file."""
 
 import argparse
 import tomllib
@@ -39,7 +39,7 @@ class TomlSource:
             raise self.problem(error.message, error.remedy, *place) from error
 
 
-IN_FILES = ("like", "goals")  # options that name files in the place of a prompt, or next to one
+IN_FILES = ("like", "goals")  # options that name a file, instead of a prompt or together with one
 _ELSEWHERE = {"seed": "Write seeds = [0, 1] at the top."}
 
 
@@ -52,7 +52,10 @@ class OptionReader:
         self._defaults = {row.name: row.command_default for row in self._rows.values() if row.name != "stage"}
 
     def read(self, table: dict[str, Any], keys: tuple[str, ...], where: str = "") -> dict[str, Any]:
-        """The options in a table of the manifest, each of its type, and good; in "scene" and "shots" more may stand."""
+        """The options in a table of the manifest, checked for type and value; `where` is "scene", "shots" or "".
+
+        Tables of scenes and of shots allow a few more options than [options] does.
+        """
         rows = {n: row for n, row in self._rows.items() if {"options", where} & set(row.manifest)}
         options: dict[str, Any] = {}
         for key, value in table.items():
@@ -64,7 +67,7 @@ class OptionReader:
         return options
 
     def _value(self, row: Option, key: str, value: Any, keys: tuple[str, ...]) -> Any:
-        """A value as a command line would hold it."""
+        """A checked value, as a parsed command line holds it."""
         several = isinstance(row.default, tuple)
         if several and isinstance(value, str):
             value = [value]
@@ -97,7 +100,7 @@ class OptionReader:
             check.vocabulary(str(self._base / given.vocabulary))
 
     def prompt(self, prompt: str, options: dict[str, Any]) -> None:
-        """Refuses a prompt that a vibe could not work with."""
+        """Raises VibeError for a prompt that `vibe run` would refuse."""
         checks.prompt(prompt, options.get("like", ""), options.get("goals", ""))
         if prompt.strip():
             check.words(prompt, argparse.Namespace(**self._defaults | options))

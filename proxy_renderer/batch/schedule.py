@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Workers on this machine, and the jobs handed out to them until all are done or given up."""
+"""Workers on this machine, and the loop that hands out jobs until all are done or given up."""
 
 import os
 import queue
@@ -24,7 +24,7 @@ class Pool(Protocol):
     """Workers, wherever they are."""
 
     def capacity(self) -> int:
-        """Number of jobs that may be out at once, now."""
+        """Number of jobs that can run at the same time, at this moment."""
 
     def submit(self, job: Job) -> None:
         """Hands out a job."""
@@ -37,7 +37,7 @@ class Pool(Protocol):
 
 
 class LocalPool:
-    """A thread for each worker."""
+    """A `Pool` on this machine, with a thread for each worker."""
 
     def __init__(self, jobs: Path, workers: list[Worker]) -> None:
         self._jobs, self._workers = jobs, workers
@@ -56,7 +56,7 @@ class LocalPool:
         self._out[self._threads.submit(self._run, job)] = job
 
     def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
-        """As `Pool.wait`; a job that was ended from outside comes back with the status "interrupted"."""
+        """As `Pool.wait`; a job whose worker was closed has the status "interrupted"."""
         ended, _ = wait(self._out, seconds, FIRST_COMPLETED)
         return [(self._out.pop(future), future.result()) for future in ended]
 
@@ -77,7 +77,7 @@ class LocalPool:
 
 
 def local_pool(jobs: Path, setup: Setup, count: int = 0) -> LocalPool:
-    """Workers for this machine, each on cores of its own; graphics cards are dealt out in turn."""
+    """A pool of `count` workers, or of as many as fit for 0; several have CPU cores of their own, and GPUs in turn."""
     count = count or fitting(machine(), setup.limits) or 1
     cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
     cards = graphics_cards()
@@ -107,7 +107,7 @@ def machine() -> dict[str, float]:
 
 
 def graphics_cards() -> int:
-    """Number of CUDA cards, asked without starting torch."""
+    """Number of CUDA cards, found without importing torch."""
     chosen = os.environ.get("CUDA_VISIBLE_DEVICES")
     if chosen is not None:
         return len([c for c in chosen.split(",") if c.strip()])
@@ -117,7 +117,7 @@ def graphics_cards() -> int:
     return done.stdout.count("GPU ") if done.returncode == 0 else 0
 
 
-_LOSSES = 5  # times that a worker may be lost in a job before the job is blamed for it
+_LOSSES = 5  # times that a job's worker may be lost before the job counts as failed
 
 
 def run(
@@ -128,7 +128,10 @@ def run(
     tell: Callable[[str, Job, JobRow], None],
     finished: bytearray | None = None,
 ) -> None:
-    """Carries out the jobs that are not done, each made when a worker is free; `tell` hears what happens to them."""
+    """Carries out the jobs that are not done; `tell` is called with "started", "done", "failed", "again" or "lost".
+
+    `finished` has for each job 1 if it is done, else 0; None to look it up.
+    """
     finished = store.finished(plan) if finished is None else finished
     fresh: Iterator[Job] = (job for job, done in zip(plan, finished, strict=True) if not done)
     again: deque[Job] = deque()
@@ -150,7 +153,7 @@ def run(
             out += 1
         if exhausted and not again and not out:
             return
-        # A job that ended is done, is tried again, or is given up. One that was lost is not to blame at first.
+        # A job that ended is done, is tried again, or is given up. A lost worker is at first no failure of its job.
         for job, row in pool.wait(1.0):
             out -= 1
             if row is None:

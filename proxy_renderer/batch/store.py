@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The results folder: a folder for each job, a contact sheet for people and tables for programs, all rewritten as jobs end.
 
-Everything in it is relative, so that it may be moved.
+All paths in it are relative, so that it may be moved.
 
 DIR/jobs/NAME/done.json       the job is done: written last, atomically, by whoever has done it
 DIR/jobs/NAME/failed.json     its last attempt has failed; the next run of the batch tries it again
@@ -36,7 +36,8 @@ JobRow = dict[str, Any]
 DONE, FAILED, LOG = "done.json", "failed.json", "log.txt"
 FINAL, FRAMES = "final.json", "frames"
 WORDS = ("visible", "already", "unmeasured", "missed")  # lists of a row: words by state, as in `verdicts`
-TOKEN = "batch.json"  # names this results folder: do two machines see the same one?
+# its token identifies the results folder, so that a machine can check that it sees the same one
+TOKEN = "batch.json"
 
 
 class Store:
@@ -66,11 +67,12 @@ class Store:
         self._lock.release()
 
     def done(self, job: Job) -> bool:
-        """True if there is a result of it, or if its final frames have been rendered."""
+        """True if a vibe has its result, or if a job of final frames has rendered them."""
         if job.frames is not None:
             final = read_json(self.jobs / job.name / FINAL) or {}
             return final.get("status") == "done" and final.get("wanted") == job.frames
-        try:  # no Path: a hundred thousand of them take seconds. A machine that lost its power leaves empty files.
+        # a string: a hundred thousand `Path`s take seconds. A power failure leaves an empty file: not done.
+        try:
             return os.stat(f"{self.jobs}/{job.name}/{DONE}").st_size > 0
         except OSError:
             return False
@@ -80,7 +82,7 @@ class Store:
         return bytearray(self.done(job) for job in plan)
 
     def row(self, job: Job) -> JobRow:
-        """A job's row: its result, its failure, or that it waits."""
+        """A job's row: its result, its last failure, or one with the status "waiting"."""
         for name in (DONE, FAILED):
             if row := read_json(self.jobs / job.name / name):
                 final = read_json(self.jobs / job.name / FINAL) or {}
@@ -101,7 +103,7 @@ class Store:
             write_json(folder / FAILED, row)
 
     def receive(self, job: Job, files: dict[str, bytes]) -> None:
-        """Takes the files, by path, of a job that another machine has done; `done.json` is written last."""
+        """Writes the files, by path, of a job that another machine has carried out; `done.json` is written last."""
         folder = self.jobs / job.name
         folder.mkdir(exist_ok=True)
         for name in sorted(files, key=lambda name: name in (DONE, FINAL)):
@@ -109,7 +111,7 @@ class Store:
             write_bytes(folder / name, files[name])
 
     def check_space(self, free_gb: float) -> None:
-        """Makes sure that there is space for another job. Raises VibeError if there is less."""
+        """Raises VibeError if less than `free_gb` gigabytes of disk space are free."""
         free = shutil.disk_usage(self.folder).free / 1e9
         if free < free_gb:
             remedy = "Make room, or lower [limits] free_gb; then run the same command again: it continues."
@@ -117,7 +119,7 @@ class Store:
 
 
 def head(job: Job) -> JobRow:
-    """The fields that say which job it is."""
+    """The fields of a row that identify its job."""
     folder = f"jobs/{job.name}"
     return {"name": job.name, "scene": job.scene, "prompt": job.prompt, "seed": job.seed, "folder": folder}
 
@@ -151,7 +153,7 @@ def unwritable(path: Path, error: OSError) -> VibeError:
 
 
 def tidy(folder: Path) -> None:
-    """Makes a job's folder ready for another attempt: unfinished files of the last one are removed."""
+    """Prepares a job's folder for another attempt: removes unfinished files and the failure of the last one."""
     folder.mkdir(parents=True, exist_ok=True)
     for left in (*folder.glob(".*part-*"), *folder.glob(f"{FRAMES}/**/.*")):
         left.unlink(missing_ok=True)
@@ -159,7 +161,7 @@ def tidy(folder: Path) -> None:
 
 
 class Finals:
-    """A job for the final frames of every finished result; rendered frames stay when a job is tried again."""
+    """A job for the final frames of every finished result; frames stay when such a job is tried again."""
 
     def __init__(self, plan: Jobs, store: Store, frames: str) -> None:
         # frames: "1-24"; or "" for those that the look was made for, else the scene's own
@@ -212,12 +214,12 @@ FILES = {
 }  # fmt: skip
 _PAGE = Path(__file__).with_name("page")
 _SCRIPTS = ("rows.js", "card.js", "large.js", "keys.js")
-_SHARE = 0.05  # most of the time that may go into rewriting the sheet while jobs run
+_SHARE = 0.05  # greatest share of the time that is spent on rewriting the sheet while jobs run
 _SOONEST = 5.0  # seconds
 
 
 class Sheet:
-    """Keeps the sheet and the tables up to date."""
+    """Keeps the contact sheet and the tables of results up to date."""
 
     def __init__(self, title: str, plan: BatchPlan, store: Store) -> None:
         self._title, self._plan, self._store = title, plan, store
@@ -247,7 +249,7 @@ class Sheet:
                 lines.write(json.dumps(full, ensure_ascii=False) + "\n")
                 short = {k: row[k] for k in FIELDS if row.get(k) not in (None, "")}
                 text = json.dumps(short, ensure_ascii=False)
-                # nothing in a row can end the script that it is in
+                # escaped, so that no text in a row ends the page's script element
                 page.write(text.replace("<", "\\u003c").replace("\u2028", "\\u2028") + ",\n")
             page.write(after)
         now = time.monotonic()
@@ -255,14 +257,17 @@ class Sheet:
 
 
 def complete(row: JobRow) -> JobRow:
-    """A row with all fields, in their order, and with the paths of its files from the results folder."""
+    """A row with all fields, in their order, and with the paths of its files relative to the results folder."""
     done = row["status"] == "done"
     files = {kind: f"{row['folder']}/{name}" if done else None for kind, name in FILES.items()}
     return {key: row.get(key) for key in FIELDS} | files
 
 
 def _page(title: str) -> tuple[str, str]:
-    """The page before and after its rows, all in one file: from disk, browsers load little else."""
+    """The text of the page before its rows, and after them.
+
+    Style and scripts are inside, because browsers load hardly any other file for a page that is opened from disk.
+    """
     texts = {part.name: part.read_text("utf-8") for part in _PAGE.iterdir() if part.is_file()}
     script = "\n".join(texts[name] for name in _SCRIPTS)
     page = texts["sheet.html"].replace("{{style}}", texts["sheet.css"]).replace("{{script}}", script)

@@ -40,7 +40,7 @@ def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
         _thumb(folder, name)
     write_bytes(folder / "details.js", _details(job, report))
     laps = report.get("timings", {})
-    words = [row for row in report["verdicts"] if row["word"]]  # in the first shot
+    words = [row for row in report["verdicts"] if row["word"]]  # verdicts on the first shot
     row = head(job) | {
         "status": "done",
         **{state: [row["word"] for row in words if row["state"] == state] for state in WORDS},
@@ -93,7 +93,7 @@ def _details(job: Job, report: dict[str, Any]) -> bytes:
 
 
 def _changed(key: str, change: dict[str, Any]) -> list[Any] | None:
-    """A parameter's name, old value, new value and reason, for people; None if the values read the same."""
+    """A parameter's label, old value, new value and reason, to show; None if both values look the same as text."""
     before, after = (tuple(v) if isinstance(v, list) else (v,) for v in (change["before"], change["after"]))
     if labels.same(key, before, after):
         return None
@@ -102,7 +102,7 @@ def _changed(key: str, change: dict[str, Any]) -> list[Any] | None:
     return [labels.title(key), before, after, change["reason"]]
 
 
-_TICK = 0.5  # seconds between two looks at the clock and at the memory
+_TICK = 0.5  # seconds between two checks of a job's time and memory
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ class Setup:
     """Limits, environment and program of workers."""
 
     limits: Limits = field(default_factory=Limits)  # of each job
-    variables: dict[str, str] = field(default_factory=dict)  # of the environment, besides those that it has
+    variables: dict[str, str] = field(default_factory=dict)  # environment variables to add
     command: tuple[str, ...] = ()  # the script that carries out jobs; empty for Blender
 
 
@@ -119,7 +119,7 @@ class Interrupted(Exception):
 
 
 class Worker:
-    """One process at a time, on some cores or on all, started when it is needed."""
+    """Carries out jobs in one Blender process, started when needed, on the CPU cores `cores`; () for all."""
 
     def __init__(self, setup: Setup, cores: Sequence[int] = ()) -> None:
         self._setup, self._cores = setup, list(cores)
@@ -154,7 +154,7 @@ class Worker:
         process = self._started()
         print(f"\n== {time.strftime('%Y-%m-%d %H:%M:%S')}  {' '.join(arguments)}", file=log, flush=True)
         assert process.stdin is not None
-        with contextlib.suppress(OSError):  # it has died: the end of its output tells
+        with contextlib.suppress(OSError):  # if the process has died, the end of its output says so
             process.stdin.write(json.dumps(arguments) + "\n")
             process.stdin.flush()
         last = ""
@@ -215,7 +215,7 @@ class Worker:
 
 
 def _orders(job: Job, folder: Path) -> list[list[str]]:
-    """The command lines of Blender's side: one for a vibe, one for each of its takes."""
+    """Command lines for Blender's side: one for a vibe, or one for each take of a job of final frames."""
     sources = [str(job.source), *map(str, job.more)]
     if job.frames is None:
         return [["run", *sources, *job.arguments, f"--out={folder}"]]
@@ -228,7 +228,7 @@ def _orders(job: Job, folder: Path) -> list[list[str]]:
 
 
 class _Watch:
-    """A job's clock and its memory."""
+    """Watches the time and the memory of a job."""
 
     def __init__(self, limits: Limits) -> None:
         self._limits = limits

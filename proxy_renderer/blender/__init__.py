@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Blender as the engine's side sees it: started, followed, and given our extension."""
+"""Blender from outside: starts it, follows its progress, and installs the extension."""

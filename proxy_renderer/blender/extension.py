@@ -20,11 +20,11 @@ from .launch import blender_side
 
 _LEFTOVERS = ("__pycache__", "*.pyc", "*.md")
 _OF_THE_COMMAND = ("cli", "batch", "blender", "command_line.py", "preset.py")
-"""Folders and modules of the engine's package that the command `vibe` alone runs."""
+"""Folders and modules of the engine's package that only the command `vibe` runs: the zip leaves them out."""
 
 
 def build(out: Path) -> Path:
-    """Builds and validates OUT/vibe_render-VERSION.zip, which remembers this Python; raises VibeError if that fails."""
+    """Builds and validates OUT/vibe_render-VERSION.zip, which names this Python; raises VibeError if that fails."""
     tool = _blender_tool()
     with tempfile.TemporaryDirectory() as scratch:
         package = Path(scratch) / "vibe_render"
@@ -33,7 +33,7 @@ def build(out: Path) -> Path:
         _ask(tool, "build", "--source-dir", str(package), "--output-dir", scratch)
         _ask(tool, "validate", str(archive := next(Path(scratch).glob("*.zip"))))
         target = checks.folder(out) / archive.name
-        with atomic.replacing(target) as part:  # a broken one is never found there
+        with atomic.replacing(target) as part:  # so that OUT never holds a broken zip
             shutil.copyfile(archive, part)
         return target
 
@@ -48,7 +48,7 @@ def repository(out: Path) -> Path:
 
 
 def install(blender: str = "") -> str:
-    """Builds the extension and installs it, enabled, into a Blender: the program, its folder, or "" for the PATH's."""
+    """Builds, installs and enables the extension; `blender` is the program, its folder, or "" for the one on the PATH."""
     program = _blender(blender)
     with tempfile.TemporaryDirectory() as scratch:
         archive = build(Path(scratch))
@@ -112,7 +112,7 @@ def _blender_tool() -> Path:
 
 
 def _ask(tool: Path, *arguments: str) -> None:
-    """Runs Blender's tool; its complaint becomes the error."""
+    """Runs Blender's tool. Raises VibeError with the tool's message if it fails."""
     done = subprocess.run([sys.executable, str(tool), *arguments], capture_output=True, text=True)
     if done.returncode:
         complaint = (done.stderr or done.stdout).strip().rpartition("\n")[2]

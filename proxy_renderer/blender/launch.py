@@ -29,11 +29,11 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TimeElapsedColumn
 
 from ..schema import VibeError, atomic, errors
 
-_LONG = 3600.0  # seconds whose steps tell how long the rest takes
+_LONG = 3600.0  # the remaining time is estimated from the steps of so many seconds
 
 
 class TerminalBar:
-    """A bar in a terminal, plain lines elsewhere. Use it as a context manager; standard output if there is no stream."""
+    """A progress bar in a terminal, plain lines elsewhere; None is standard output. Use it as a context manager."""
 
     def __init__(self, columns: Sequence[Any], stream: TextIO | None, transient: bool, **task: Any) -> None:
         self._stream = stream or sys.stdout
@@ -57,7 +57,7 @@ class TerminalBar:
         self._bar.stop()
 
     def note(self, text: str) -> None:
-        """A line that stays."""
+        """Prints a line that stays."""
         if self._plain:
             print(text, file=self._stream, flush=True)
         else:
@@ -65,7 +65,7 @@ class TerminalBar:
 
 
 class VibeProgress(TerminalBar):
-    """Shows events as they come."""
+    """Shows the events of one vibe as they come."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
         bar = BarColumn(bar_width=32)
@@ -122,7 +122,7 @@ _TRACE = re.compile(
     r"(Fatal Python error|Current thread|Thread 0x|Extension modules|\s+File |EGL Error|VIBE )"
 )
 _TELLING = re.compile(r"error|exception|abort|fail|invalid|corrupt|not a ", re.IGNORECASE)
-_LAST = 20  # lines in which the telling one is looked for
+_LAST = 20  # last lines among which the one that explains a crash is looked for
 
 
 def crash(code: int, doing: str, output: Sequence[str]) -> errors.UnexpectedError:
@@ -139,14 +139,14 @@ def crash(code: int, doing: str, output: Sequence[str]) -> errors.UnexpectedErro
 
 
 def last_words(output: Sequence[str]) -> str:
-    """The line that tells most about a crash, of the last ones."""
+    """The one of the last lines of output that says most about a crash."""
     lines = [line.strip() for line in output if line.strip() and not _TRACE.match(line)][-_LAST:]
     telling = [line for line in lines if _TELLING.search(line)]
     return (telling or lines or [""])[-1][:200].rstrip(".")
 
 
 def memory(number: int) -> int:
-    """Bytes that a process and all it has started hold together; 0 if it is gone."""
+    """Bytes of memory that a process and all its descendants use; 0 if the process is gone."""
     total = 0
     for process in _family(number):
         with contextlib.suppress(psutil.Error):
@@ -155,7 +155,7 @@ def memory(number: int) -> int:
 
 
 def kill(number: int) -> None:
-    """Ends a process and all it has started, the youngest first."""
+    """Ends a process and all its descendants, the youngest first."""
     for process in reversed(_family(number)):
         with contextlib.suppress(psutil.Error):
             process.kill()
@@ -175,8 +175,8 @@ _MARK = "VIBE "
 def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None) -> int:
     """Runs batch.py with these arguments to its end; returns the command's exit code: 0, or 130 after a second Ctrl-C.
 
-    Ctrl-C is passed on once, and Blender's side then finishes with the best so far; a second one ends it at once. The artist
-    is told to open OUT at the end. Raises VibeError: what Blender's side reports, or that it died.
+    Ctrl-C is passed on once, and Blender's side then finishes with the best so far; a second one ends it at once. Without
+    `progress`, the outcome and what to open in `out` are printed. Raises VibeError if Blender's side reports one, or died.
     """
     told = progress is None
     progress = progress or VibeProgress()
@@ -214,7 +214,7 @@ def start(
     variables: Mapping[str, str] | None = None,
     **options: Any,
 ) -> subprocess.Popen[str]:
-    """Python with these arguments, as a Blender whose `events` can be read; its temporary files go to `scratch`."""
+    """Starts Python with these arguments as Blender's side, for `events` to read; its temporary files go to `scratch`."""
     places = dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(scratch)) if scratch else {}
     return subprocess.Popen(
         [sys.executable, *arguments],
@@ -228,7 +228,7 @@ def start(
 
 
 def events(process: subprocess.Popen[str], tail: deque[str]) -> Iterator[dict[str, Any]]:
-    """The events among the lines that Blender's side prints, as they come; all other lines go to the tail."""
+    """The events among the lines that Blender's side prints, as they come; all other lines are added to `tail`."""
     assert process.stdout is not None
     for line in process.stdout:
         if found := event(line):
@@ -238,7 +238,7 @@ def events(process: subprocess.Popen[str], tail: deque[str]) -> Iterator[dict[st
 
 
 def event(line: str) -> dict[str, Any] | None:
-    """The event in a line of Blender's side; None in other lines, and in broken ones."""
+    """The event in a line of Blender's side; None for other lines, and for broken ones."""
     with contextlib.suppress(ValueError):
         return json.loads(line.removeprefix(_MARK)) if line.startswith(_MARK) else None
     return None
@@ -246,7 +246,7 @@ def event(line: str) -> dict[str, Any] | None:
 
 @contextmanager
 def _forwarded_interrupts(process: subprocess.Popen[str], progress: VibeProgress) -> Iterator[list[int]]:
-    """Lets Ctrl-C and termination reach Blender's side inside the block; yields the list of presses, as it grows."""
+    """Passes Ctrl-C and SIGTERM on to Blender's side inside the block; yields the growing list of received signals."""
     presses: list[int] = []
 
     def on_signal(number: int, frame: Any) -> None:
@@ -264,7 +264,7 @@ def _forwarded_interrupts(process: subprocess.Popen[str], progress: VibeProgress
 
 @contextmanager
 def handling(handler: Any, *numbers: int) -> Iterator[None]:
-    """Signals go to a handler inside the block."""
+    """Sets a handler of signals inside the block; afterwards the old ones are back."""
     before = {number: signal.signal(number, handler) for number in numbers}
     try:
         yield
@@ -274,7 +274,7 @@ def handling(handler: Any, *numbers: int) -> Iterator[None]:
 
 
 def _own_group() -> dict[str, Any]:
-    """A terminal sends Ctrl-C to its whole group; Blender's side gets it from here, once."""
+    """Options of Popen for a group of its own: a terminal sends Ctrl-C to its whole group, and this process passes it on."""
     if os.name == "nt":
         return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}  # type: ignore[attr-defined]
     return {"start_new_session": True}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks bare meshes before Blender is started, and unpacks Draco. Blender's side checks again what it imports."""
+"""Checks bare meshes before Blender is started, and decodes Draco compression. Blender's side checks what it imports, too."""
 
 import base64
 import json
@@ -30,7 +30,7 @@ _READ = {f"KHR_materials_{name}" for name in _MATERIALS.split()} | {
     "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
 }
-"""Extensions that Blender 4.5 and 5 read, or pass over without harm; Draco is unpacked here."""
+"""glTF extensions that Blender 4.5 and 5 read or can ignore without harm; Draco is decoded here."""
 _BASISU = "KHR_texture_basisu"
 _UNCOMPRESSED = "Export it again without compression."
 _REMEDIES = {
@@ -58,7 +58,7 @@ def read_gltf(path: Path) -> tuple[dict[str, Any], bytes]:
 
 
 def refuse_unread_extensions(path: Path) -> None:
-    """Refuses a glTF file that requires what Blender's importer cannot do; a broken one is left to others."""
+    """Raises VibeError if a glTF file requires an extension that Blender's importer lacks; broken files pass."""
     try:
         document, _ = read_gltf(path)
         required = set(document.get("extensionsRequired", ()))
@@ -87,7 +87,7 @@ def is_packed(path: Path) -> bool:
 
 
 def unpacked(path: Path, folder: Path) -> Path:
-    """Writes an uncompressed .glb of the same name. Raises VibeError if its geometry cannot be decoded."""
+    """Writes an uncompressed .glb of the same name into a folder. Raises VibeError if its geometry cannot be decoded."""
     try:
         document, binary = read_gltf(path)
         data = _joined(document, binary, path.parent)
@@ -110,7 +110,7 @@ def unpacked(path: Path, folder: Path) -> Path:
 
 
 def _joined(document: dict[str, Any], binary: bytes, folder: Path) -> bytearray:
-    """All buffers as one, to which the views then refer; pictures keep their files, by whole paths."""
+    """All buffers as one; in `document`, the views then refer to it, and paths of image files are absolute."""
     data, starts = bytearray(), []
     for buffer in document.pop("buffers", ()):
         data += bytes(-len(data) % 4)
@@ -132,7 +132,7 @@ def _joined(document: dict[str, Any], binary: bytes, folder: Path) -> bytearray:
 
 
 def _unpack(document: dict[str, Any], data: bytearray, primitive: dict[str, Any], packed: Any) -> None:
-    """Decodes a primitive's attributes and indices into views of their own."""
+    """Decodes a primitive's attributes and indices into new buffer views."""
     import DracoPy
 
     view = document["bufferViews"][packed["bufferView"]]
@@ -150,7 +150,7 @@ def _unpack(document: dict[str, Any], data: bytearray, primitive: dict[str, Any]
 
 
 def _store(document: dict[str, Any], data: bytearray, accessor: dict[str, Any], values: np.ndarray) -> None:
-    """Appends an accessor's values, each row at a multiple of four bytes as glTF wants them."""
+    """Appends an accessor's values, each row at a multiple of four bytes, as glTF requires."""
     data += bytes(-len(data) % 4)
     rows = values.reshape(len(values), -1)
     size = rows.shape[1] * rows.itemsize
@@ -178,7 +178,7 @@ _LONGEST_TEXT = 16_000_000  # bytes; reading more of a text format would take lo
 
 @contextmanager
 def prepared(scene: Path) -> Iterator[Path]:
-    """The file for Blender: the scene, or an unpacked copy that lives as long as the block. Refuses bad meshes."""
+    """The file for Blender: the scene, or an uncompressed copy that exists inside the block. Refuses bad meshes."""
     if scene.suffix.lower() == ".blend":
         yield scene
         return
@@ -191,7 +191,10 @@ def prepared(scene: Path) -> Iterator[Path]:
 
 
 def check(path: Path) -> None:
-    """Refuses a mesh without faces or size, with infinite coordinates, or that is broken; long texts go unchecked."""
+    """Raises VibeError for a file that is broken, or whose meshes have no faces, no size or infinite coordinates.
+
+    Long text files are not checked.
+    """
     with path.open("rb") as file:
         is_text = b"\0" not in file.read(1024)
     if is_text and path.stat().st_size > _LONGEST_TEXT:
@@ -199,7 +202,7 @@ def check(path: Path) -> None:
     import trimesh
 
     try:
-        # Whatever a broken file holds: numpy warns of it before trimesh or we refuse it.
+        # numpy would warn of values in a broken file, before trimesh or the checks below refuse it
         with np.errstate(all="ignore"):
             scene = trimesh.load_scene(path, process=False, skip_materials=True)
     except (ImportError, NotImplementedError):

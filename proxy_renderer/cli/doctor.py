@@ -63,7 +63,7 @@ def _python() -> str:
 
 
 def _blender(config: list[str]) -> str:
-    """Blender runs in a process of its own here too; it tells where its color configuration is."""
+    """Blender's version, from a process of its own; the path of its color configuration is added to `config`."""
     try:
         done = subprocess.run([sys.executable, "-c", _BLENDER], capture_output=True, text=True, timeout=120)
     except subprocess.TimeoutExpired as error:
@@ -79,7 +79,7 @@ def _blender(config: list[str]) -> str:
 
 
 def _imported(what: str, remedy: str, *names: str) -> ModuleType:
-    """The last of some modules; VibeError where one cannot be imported."""
+    """The last of some modules. Raises VibeError if one of them cannot be imported."""
     try:
         return [importlib.import_module(name) for name in names][-1]
     except (ImportError, OSError) as error:
@@ -115,7 +115,7 @@ def _encoder() -> str:
 
 
 def _model() -> str:
-    """One cheap question with a picture, if a vision-language model is configured."""
+    """The answer to one cheap question with an image, if a vision-language model is configured."""
     from ..schema.messages import Options
     from ..vlm.endpoint import find_endpoint
 
@@ -126,7 +126,7 @@ def _model() -> str:
 
 
 def try_model(endpoint: Endpoint) -> str:
-    """Shows the model a red square and returns what it says, what its server understands, and the time."""
+    """Shows the model a red square; returns a line on its answer, the request format that it takes, and the time."""
     from PIL import Image
 
     from ..vlm.client import Client, Question, jpeg_of

@@ -41,10 +41,14 @@ def account(
     target: Sequence[str] = (),
     as_goals: bool = False,
 ) -> str:
-    """The meaning of the words, readable or as JSON; `with_reasons` says why each look word is bound as it is, and nothing else.
+    """The meaning of a prompt for a scene, as text or as JSON.
 
-    A scene is a .blend or a mesh, which Blender reads; None for a subject, its surroundings and three lights. The subject is as
-    in "--subject=Cup", a target as in "copper=Cup". `as_goals` gives the goals alone, as `vibe run --goals` reads them.
+    Args:
+        scene: A .blend or a mesh, which Blender reads; None for a subject, its surroundings and three lights.
+        subject: Options for Blender's side that name the subject: "--subject=Cup".
+        with_reasons: Return only the reasons why each look word is bound as it is.
+        target: Targets that the artist has chosen for words: "copper=Cup".
+        as_goals: Return only the goals, as `vibe run --goals` reads them.
     """
     if scene:
         stage, instances, known = _read(prompt, scene, subject, target)
@@ -70,7 +74,7 @@ def account(
 
 
 def _light(goals: Goals, stage: StagedScenes | None) -> list[str]:
-    """The rig that the words ask for, and who plays its parts in the scene; without one, what each of its lights is."""
+    """Lines on the rig that the words ask for: the light for each of its parts; without a scene, the settings of each."""
     if stage:
         return list(stage.lighting.notes) if stage.lighting else []
     chosen = chosen_rig(goals, rig_table(), default_vocabulary())
@@ -87,7 +91,7 @@ def _light(goals: Goals, stage: StagedScenes | None) -> list[str]:
 def _read(
     prompt: str, scene: Path, subject: Sequence[str], target: Sequence[str]
 ) -> tuple[StagedScenes, dict[str, Instance], SceneDescription]:
-    """A scene before the first round of a vibe: its names, its places and its parameters. Nothing is rendered."""
+    """A scene before the first round of a vibe: its stage, its parameter instances and its description, without a render."""
     from ..blender.launch import VibeProgress, launch
     from ..blender.meshes import prepared
 

@@ -20,7 +20,7 @@ from ..schema.options.table import named
 from ..schema.sentences import about_steps, plain
 
 DEMO_PROMPT = "Glossy teal on a pale sand background, warm soft light, slight vignette"
-_HOW = ("picture", "effort", "reach", "engine", "render")  # headings of options for whatever scene
+_HOW = ("picture", "effort", "reach", "engine", "render")  # groups of options that apply to any scene
 
 
 def _add_scene(parser: argparse.ArgumentParser, optional: bool = False) -> None:
@@ -31,7 +31,7 @@ def _add_scene(parser: argparse.ArgumentParser, optional: bool = False) -> None:
 
 
 def _add_out(parser: argparse.ArgumentParser, help: str, default: str = "") -> None:
-    """Adds `--out`, which a command needs where there is no default."""
+    """Adds `--out`, which is required if there is no default."""
     given = Path(default) if default else None
     parser.add_argument("--out", required=not default, default=given, type=Path, metavar="DIR", help=help)
 
@@ -321,7 +321,7 @@ COMMANDS = {
 
 
 class Parser(argparse.ArgumentParser):
-    """Argument mistakes in one line, like every other mistake."""
+    """A parser that reports mistakes in one line, as `main` does."""
 
     program = "vibe"
 
@@ -338,7 +338,7 @@ class Help(argparse.HelpFormatter):
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Runs the command; returns 0, or 2 with a line for what the user can mend, or 1 with one that names a log."""
+    """Runs the command; returns its exit code: 0, 1 for a failure, 2 for what the user can fix, 130 for Ctrl-C."""
     arguments = _arguments(argv)
     try:
         return arguments.act(arguments)
@@ -357,7 +357,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
-    """The command line; a scene that may be left out is also found behind options, where argparse looks no more."""
+    """The parsed command line; an optional scene is found after options too, where argparse does not look for it."""
     top = parser()
     arguments, left = top.parse_known_args(argv)
     if left and getattr(arguments, "scene", None) == "" and not left[0].startswith("-"):

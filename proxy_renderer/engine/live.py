@@ -28,7 +28,7 @@ _OTHERS = 2  # known words that are offered in place of one that is not used
 
 def answer(request: messages.AskReadings) -> messages.Readings:
     """The words of a prompt as a vibe of the exported scene understands them; raises VibeError if it cannot be read."""
-    # Without a job only names are known: everything may be the subject.
+    # Without a job only names are known, and all objects count as the subject.
     objects = request.objects
     scene = SceneDescription(
         objects=dict.fromkeys(objects, "subject"),
@@ -37,30 +37,30 @@ def answer(request: messages.AskReadings) -> messages.Readings:
         lights={name: LightDescription(kind) for name, kind in request.lights.items()},
     )
     if request.job:
-        with contextlib.suppress(OSError):  # Live has ended, and its job is gone: the panel asks again
+        with contextlib.suppress(OSError):  # live mode has ended, the folder is gone: the panel asks again
             scene = _described(request.job, (Path(request.job) / "scene.json").stat().st_mtime_ns)
     return readings(request.prompt, scene, request.target)
 
 
 @functools.lru_cache(maxsize=1)
 def _described(job: str, written: int) -> SceneDescription:
-    """The names in an exported scene of that time."""
+    """The description of an exported scene; `written` is the file's time, so that a newer export is read anew."""
     return described(load_scene(job))
 
 
 def readings(prompt: str, scene: SceneDescription, target: Sequence[str] = ()) -> messages.Readings:
-    """The words of a prompt as a vibe of a scene understands them; a target is "copper=Cup", as the artist says."""
+    """The words of a prompt as a vibe of a scene understands them; `target` has the artist's choices: "copper=Cup"."""
     if not prompt.strip():
         return messages.Readings(prompt)
     understood = Understood(prompt, scene, target)
     note = str(understood.unknown or "")
-    if not understood.words:  # a target that cannot be is taken back by a click on its word
+    if not understood.words:  # so that the artist can click on the word whose target is impossible
         understood = Understood(prompt, scene)
     return messages.Readings(prompt, [*map(_reading, understood.words)], note)
 
 
 def _reading(word: PromptWord) -> messages.WordReading:
-    """A word with what it describes; one that is not used, with known words in its place."""
+    """A word and what it describes; for a word that is not used, known words to choose in its place."""
     choices = word.key, [candidate.name for candidate in word.candidates], [*word.others]
     if word.target == NOT_USED:
         unknown = not word.candidates
@@ -76,7 +76,7 @@ def _reading(word: PromptWord) -> messages.WordReading:
 
 
 class Glances:
-    """Answers glances at one job after another; a scene stays loaded, with a proxy for each set of lights and backdrops."""
+    """Answers requests for a first look. The last job's scene stays loaded, with a proxy for each set of parameters."""
 
     def __init__(self) -> None:
         self._job = ""
@@ -84,7 +84,7 @@ class Glances:
         self._proxies: dict[tuple[str, ...], Proxy] = {}
 
     def look(self, request: messages.Glance, stopped: Callable[[], bool]) -> EarlyLook | None:
-        """The look of a glance; None if it was `stopped`, or no word is known. Raises VibeError if the job cannot be read."""
+        """The first look; None if the request was `stopped`, or no word is known. Raises VibeError for an unreadable job."""
         options = messages.Options.from_dict(request.options)
         found = [self._scene(request.job)]
         stage = linked(set_stage(found, request.prompt, options.new_lights, options.target), options)
@@ -96,7 +96,7 @@ class Glances:
         save_picture(looks.before, Path(request.job) / BEFORE)
         try:
             u, advice = looks.planned(stage.advisor)
-        except VibeError:  # half a word, perhaps
+        except VibeError:  # no word is known: it may be half typed
             return None
         return None if stopped() else looks.drawn(u, stage.claims(advice.goals))
 

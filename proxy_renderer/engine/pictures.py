@@ -22,8 +22,8 @@ PICTURES = {
     "before_last_anchor": "prediction-earlier.png",
     "unanchored": "prediction-unanchored.png",
 }
-"""The predictions that figures are taken of. The last anchor was taken at the values that are shown, so the proxy is
-judged by the second one: it is corrected by an anchor that was taken elsewhere."""
+"""Kind of prediction -> its file. The last anchor was rendered at the final values, so that "shown" says little about the
+proxy. "before_last_anchor" does: its correction comes from other values."""
 
 Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 
@@ -33,11 +33,11 @@ _PAPER, _INK, _FAINT = (250, 250, 248), (32, 32, 36), (120, 120, 126)
 _LATIN, _CJK = "Inter.woff2", "Noto Sans CJK Regular.woff2"
 _EAST_ASIAN = re.compile(r"[\u1100-\u11ff\u2e80-\u9fff\uac00-\ud7af\uf900-\ufaff\uff00-\uffef]")
 _UNIT = re.compile(rf"{_EAST_ASIAN.pattern}|\s*(?:(?!{_EAST_ASIAN.pattern})\S)+")
-"""Text that a line may end after: an East Asian character, or a word with the space before it."""
+"""A unit of text, after which a line may end: an East Asian character, or a word with the space before it."""
 
 
 def variant_file(number: int) -> str:
-    """The file name of a variant's image; they count from 1."""
+    """The file name of a variant's image; numbers start at 1."""
     return f"variant-{number}.png"
 
 
@@ -45,10 +45,10 @@ def variant_file(number: int) -> str:
 def predict(
     proxy: Proxy, outcome: Outcome, number: int, job: Path, figures: bool
 ) -> tuple[list[str], Image.Image]:
-    """Draws a shot (from 0) of the values found by its proxy of full size, into its job folder.
+    """Draws the values found in shot `number` (from 0) by its full-size proxy, into its job folder.
 
-    With `figures` also what would have been predicted without the last anchor, where there is one, and without any.
-    Returns the names of `PICTURES` that there are, and the share of each pixel that the subject covers, as an image.
+    With `figures`, and if there is an anchor, also draws the predictions without the last anchor and without any anchor.
+    Returns the keys of `PICTURES` that were drawn, and the share of each pixel that the subject covers, as an image.
     """
     anchor = outcome.shots[number].anchor
     corrections = {"shown": anchor.correction}
@@ -73,7 +73,10 @@ def predict_variants(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> 
 
 
 def difference(predicted: np.ndarray, after: np.ndarray, subject: np.ndarray) -> dict[str, float]:
-    """CIEDE2000 of a prediction and Cycles' picture (H, W, 3), sRGB in [0, 1]: `mean`, `p95`, and over the `subject` (H, W)."""
+    """CIEDE2000 of a prediction and Cycles' render, both (H, W, 3), sRGB in [0, 1]: "mean", "p95" and mean over "subject".
+
+    `subject` (H, W) is the share of each pixel that the subject covers; without a subject, the last figure is missing.
+    """
     labs = (lab_from_srgb(torch.from_numpy(picture)) for picture in (predicted, after))
     errors = ciede2000(*labs).numpy()
     figures = {"mean": errors.mean(), "p95": np.percentile(errors, 95)}
@@ -110,7 +113,10 @@ def load_picture(path: Path | str, shape: tuple[int, int] | None = None) -> np.n
 
 
 def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str, fonts: Path) -> Image.Image:
-    """Labeled panels: rows of (label, image), as high as the first, above the prompt in at most four lines ("" for none)."""
+    """A sheet of labeled panels: `rows` of (label, image), above the prompt in at most four lines ("" for none).
+
+    All images of a row get the height of its first.
+    """
     title = font(26, prompt, fonts)
     label = font(18, "".join(name for row in rows for name, _ in row), fonts)
     sizes = [[_fitted(picture, _fitted(row[0][1])[1]) for _, picture in row] for row in rows]
@@ -133,7 +139,7 @@ def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str, font
 
 
 def _fitted(picture: Image.Image, high: int = 0) -> tuple[int, int]:
-    """Width and height of a panel that shows an image; of a given height, if that is not 0."""
+    """Width and height of an image's panel: with the height `high`, or for 0 with a longer side of `_PANEL`."""
     width, height = picture.size
     scale = high / height if high else _PANEL / max(width, height)
     return max(round(width * scale), 1), max(round(height * scale), 1)
@@ -148,7 +154,7 @@ def font(size: int, text: str, fonts: Path) -> Font:
 
 
 def wrapped(text: str, face: Font, width: float, most: int) -> list[str]:
-    """At most this many lines of a text, each of a width in pixels; text that is left out is shown by dots."""
+    """At most `most` lines of a text, each at most `width` pixels wide; "…" marks that text is left out."""
     lines = [""]
     for unit in _UNIT.findall(text):
         longer = lines[-1] + unit

@@ -51,7 +51,7 @@ def search_facts(outcome: Outcome, words: Sequence[PromptWord]) -> dict[str, Any
 
 
 def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
-    """Records of all parameters of the scene: moved is on the perceptual scale; a priority of 0 comes first, None is irrelevant."""
+    """A record of each parameter: "moved" is a distance on the perceptual scale; "priority" 0 comes first, None stays."""
     after = outcome.vector.values(outcome.u)
     lower, upper = (outcome.vector.plain(b) for b in outcome.vector.bounds(outcome.ranges))
     links = outcome.shots[0].scene.links.items()
@@ -77,16 +77,15 @@ def plain(values: Values) -> float | list[float]:
 
 
 def changed_values(outcome: Outcome, shot: ShotState | None = None) -> dict[str, list[float]]:
-    """Key -> components that differ from the artist's scene, under the names of one of several shots, or of the first."""
+    """Key -> components, of all values that differ from the artist's scene, with the keys of a shot, or of the first."""
     vector = (shot or outcome).vector
     return {k: list(v) for k, v in vector.changes(outcome.u).items()}
 
 
 def anchored(outcome: Outcome, blenders: Sequence[BlenderPictures]) -> dict[str, Any]:
-    """{"anchored": {"pictures", "predicted", "notes"}} on the pictures of Cycles that corrected the proxy of each shot.
+    """{"anchored": {"pictures", "predicted", "notes"}} on the anchors, which corrected the proxy of each shot.
 
-    `predicted` is the mean CIEDE2000 between what was predicted and what the next picture of Cycles showed, the
-    last time; of several shots, their mean.
+    `predicted` is the mean CIEDE2000 between the last anchor and the prediction before it; of several shots, their mean.
     """
     pictures, predicted, notes = [], [], []
     for shot, blender in zip(outcome.shots, blenders, strict=True):
@@ -109,7 +108,7 @@ def claims_about(outcome: Outcome) -> list[ShotClaims]:
 
 
 def foreseen(outcome: Outcome, claims: list[ShotClaims]) -> list[dict[str, Any]]:
-    """Verdicts on the first shot's prediction, as the last anchors have it."""
+    """Verdicts on the first shot's prediction, which its last anchor corrects."""
     shot = outcome.shots[0]
     assert shot.before is not None, "the loop has begun"
     with torch.no_grad():
@@ -129,18 +128,24 @@ def versions() -> dict[str, str]:
 # Verdicts on every word, and why the image does not show it
 
 
-_HELPS = 1.0  # noticeable steps for all of its range, from where a value helps a claim
-_LEFT = 0.5  # noticeable steps that a value could still bring, from where it is not at its end
-_WORSE = 0.3  # noticeable steps by which another claim is missed more
+# In noticeable steps of a claim:
+_HELPS = 1.0  # a value whose whole range changes the claim by less does not help it
+_LEFT = 0.5  # a value whose rest of the range could bring less is at the end of its range
+_WORSE = 0.3  # another claim that a value's step makes worse by as much conflicts
 _NOTHING = dict.fromkeys(("word", "state", "missing", "why", "unlock"), "")
-_UNLIT = 0.005  # of white, as shown: a gray surface that no light reaches
+_UNLIT = 0.005  # linear display value up to which a gray surface counts as reached by no light
 
 
 def word_verdicts(outcome: Outcome, rows: Sequence[Mapping[str, Any]], seen: GBuffer) -> list[dict[str, str]]:
-    """A row for each word by the verdicts on the claims about a shot, and one with the word "" for each missed rule of every image.
+    """A row for each word, and one with the word "" for each missed rule that holds for every image.
 
-    A `state` is "visible", "already" so before the search, "unmeasured" or "missed"; a missed one says what is `missing`, `why`, and
-    which value that the artist has locked is to `unlock`, or "". The first shot is `seen` at the outcome.
+    A word's "state" is "visible", "already" (satisfied before the search), "unmeasured" or "missed". For a missed word,
+    "missing" compares the value with the wanted one, "why" gives the reason, and "unlock" the key of a value whose lock is
+    the reason, or "".
+
+    Args:
+        rows: Verdicts on the claims about a shot.
+        seen: G-buffer of the first shot with the values found.
     """
     goals, states, found = outcome.goals, word_states(rows), []
     vague = default_vocabulary().lists["unmeasured"]
@@ -164,7 +169,7 @@ def word_verdicts(outcome: Outcome, rows: Sequence[Mapping[str, Any]], seen: GBu
 
 
 def _missing(row: Mapping[str, Any]) -> str:
-    """The miss of a claim: "color of the wall is #b09080, wanted #cceede"."""
+    """A missed claim as text: "color of the wall is #b09080, wanted #cceede"."""
     about = MEASURES[row["measure"]].sentence.format("image" if row["thing"] == "picture" else row["thing"])
     after = f"{row['after']:.3g}" if isinstance(row["after"], float) else row["after"]
     unit = f" {row['unit']}" if row["unit"] and not str(after).startswith("#") else ""
@@ -172,7 +177,7 @@ def _missing(row: Mapping[str, Any]) -> str:
 
 
 def _obstacle(outcome: Outcome, number: int, seen: GBuffer) -> dict[str, str]:
-    """The obstacle of a claim that is missed: why, and the key to unlock."""
+    """The reason why a claim is missed: "why" as text, and "unlock" with the key of a value whose lock is the reason."""
     claim = outcome.claims[number]
     if locked := _locked(outcome, claim):
         why = f"{labels.title(locked)} may not change: {outcome.vector.instances[locked].locked}"
@@ -185,7 +190,7 @@ def _obstacle(outcome: Outcome, number: int, seen: GBuffer) -> dict[str, str]:
 
 
 def _locked(outcome: Outcome, claim: Claim) -> str:
-    """The first of the values that would serve a claim, if all of them are locked; else ""."""
+    """Key of the first value that could serve a claim, if all such values are locked; else ""."""
     table = quantities()
     rows = (f"thing {claim.measure}", f"{claim.part} {claim.measure}", claim.measure)
     quantity = next((table.measures[row] for row in rows if row in table.measures), "")
@@ -197,7 +202,11 @@ def _locked(outcome: Outcome, claim: Claim) -> str:
 
 
 def _opponent(outcome: Outcome, number: int) -> str:
-    """The opponent of a claim by the linear model of the last steps: nothing that helps, an end of a range, or another claim."""
+    """The reason, as text, why the values that may change miss a claim, by the linear model of the last steps.
+
+    No value helps the claim, or one is at the end of its range, or another claim conflicts, or more rounds may help. The
+    reason is "" if there is no model.
+    """
     known = outcome.descent.known if outcome.descent else None
     regions = [where for shot in outcome.shots if shot.claims for where in enumerate(shot.claims.regions)]
     measured = [i for i, where in regions if where is not None]  # numbers of claims, shot by shot

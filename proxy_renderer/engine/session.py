@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One vibe in the engine: from job folders to values, and the measure of what Cycles made of them."""
+"""One vibe in the engine: from job folders to values, and the verdicts on Cycles' renders of them."""
 
 import time
 from collections.abc import Sequence
@@ -34,7 +34,7 @@ from . import pictures, report
 from .report import word_verdicts
 
 _PREDICTED = 320  # the longer side of a prediction, pixels; the panel shows no more
-_FURTHER = 2  # the most rounds of a further sentence: it begins where its image is nearly as wanted
+_FURTHER = 2  # most rounds of a further sentence, whose image is nearly as wanted from the start
 
 
 def pick_device(name: str) -> str:
@@ -50,7 +50,7 @@ def pick_device(name: str) -> str:
 
 
 class EngineSession:
-    """A vibe's state between its result and its measure; images are written to the job folders of its shots."""
+    """A vibe's state from its search to the verdicts on its renders; images go to the job folders of its shots."""
 
     def __init__(
         self,
@@ -62,9 +62,9 @@ class EngineSession:
         known: KnownPicture | None = None,
     ) -> None:
         self.shots, self.prompt, self.options, self._observer = shots, prompt, options, observer
-        self._known = known  # the picture that the vibe before has ended with
+        self._known = known  # the last anchor of the vibe before
         self._method = load_method()
-        self._encoder: Encoder  # these two of the last `run`
+        self._encoder: Encoder  # `run` sets it, and the next
         self._outcome: pipeline.Outcome
         endpoint = find_endpoint(options, vlm_key)
         self._model = Client(endpoint, observer.stopped) if endpoint else None
@@ -73,7 +73,7 @@ class EngineSession:
         self._rows: list[list[tuple[str, Image.Image]]] = []  # of compare.png: one for each shot
 
     def run(self) -> messages.Result:
-        """Finds the values and reports how; its images are there after `draw`. Raises VibeError for a bad job, prompt or encoder."""
+        """Finds the values and reports on them; `draw` makes its images. Raises VibeError for a bad job, prompt or encoder."""
         options, observer, clock = self.options, self._observer, _Stopwatch()
         observer.stage("loading the encoder")
         device = pick_device(options.device)
@@ -91,7 +91,7 @@ class EngineSession:
             options = replace(options, rounds=min(options.rounds, _FURTHER))
         clock.lap("load scene")
 
-        advisor = None  # the offline planner; or else the model as parser and confiner
+        advisor = None  # None is the offline planner; otherwise a model is parser and confiner
         if self._model is not None and self.prompt.strip():
             advisor = ModelAdvisor(stage.understood, stage.goals, self._model, observer.stage, stage.plan)
         scenes = stage.scenes
@@ -131,7 +131,7 @@ class EngineSession:
 
     @property
     def last_picture(self) -> KnownPicture | None:
-        """The picture of Cycles that the vibe has ended with; None where there is none, or there are several shots."""
+        """The last anchor of the vibe; None if it has none, or several shots."""
         shots = self._outcome.shots
         return shots[0].known_picture() if len(shots) == 1 else None
 
@@ -150,7 +150,7 @@ class EngineSession:
             pictures.save_image(self._sheet(rows), Path(self.shots[0].job) / messages.VARIANTS)
 
     def finish(self, request: messages.Finish) -> messages.Finished:
-        """Measures and composes Cycles' pictures of a shot, in the order of shots, after `draw`."""
+        """Verdicts on Cycles' renders of a shot, and the sheet that compares them; after `draw`, in the order of shots."""
         outcome, encoder = self._outcome, self._encoder
         before, after = (pictures.load_picture(p) for p in (request.before, request.after))
         shape, shot = (after.shape[1], after.shape[0]), self.shots[request.shot]
@@ -181,7 +181,7 @@ class EngineSession:
         )
 
     def check(self, request: messages.Check) -> messages.Checked:
-        """Measures Cycles' pictures of another frame by the words of this vibe, after `run`."""
+        """Verdicts on Cycles' renders of another frame, by the claims of this vibe; after `run`."""
         outcome, encoder = self._outcome, self._encoder
         scene = load_scene(Path(request.job))
         before, after = (torch.from_numpy(pictures.load_picture(p)) for p in (request.before, request.after))
@@ -195,7 +195,7 @@ class EngineSession:
         return pictures.compare(rows, self.prompt, fonts)
 
     def _judge(self, before: Image.Image, after: Image.Image) -> dict[str, Any]:
-        """The model's verdict on Cycles' two pictures, or why there is none."""
+        """The model's verdict on Cycles' two renders, or its error; {} without a model or a prompt."""
         if self._model is None or not self.prompt.strip():
             return {}
         self._observer.stage("asking the judge")
@@ -228,7 +228,7 @@ class _Stopwatch:
         self._last = time.monotonic()
 
     def lap(self, name: str, waited: float | None = None) -> None:
-        """Notes the seconds since the last lap; those in which Blender was waited for are noted as such."""
+        """Records the seconds since the last lap; `waited` are those spent on Blender, which are recorded separately."""
         now = time.monotonic()
         self.laps[name] = round(now - self._last - (waited or 0.0), 3)
         if waited is not None:

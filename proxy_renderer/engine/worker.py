@@ -40,14 +40,14 @@ _Look = TypeVar("_Look", bound=messages.LookSoFar)
 
 
 class Wire:
-    """The two ends of the conversation.
+    """The connection to the other side: it sends messages, and sorts those that arrive.
 
     A thread reads, so that "stop" is heard while the loop runs.
 
     Attributes:
         inbox: Requests in order; None when the other side has gone.
         anchored: Blender's answers to the engine's own requests.
-        asked: Words whose reading is asked for, which nothing else holds up.
+        asked: Requests to read a prompt; a thread of its own answers them without a delay.
         stop: Set when the loop should end now.
     """
 
@@ -74,7 +74,7 @@ class Wire:
             for message in read(self._source):
                 if isinstance(message, messages.Vibe | messages.Glance):
                     self.stop.clear()
-                    self.anchored = queue.Queue()  # what comes in it belongs to an earlier vibe
+                    self.anchored = queue.Queue()  # answers that are still in it belong to an earlier vibe
                 elif isinstance(message, messages.Stop | messages.Quit):
                     self.stop.set()
                 if isinstance(message, messages.Anchored):
@@ -99,18 +99,18 @@ class RemoteObserver:
         self._previewed = self._reported = 0.0
 
     def stage(self, name: str) -> None:
-        """Reports what is going on outside of the loop."""
+        """Reports the name of a stage outside of the loop."""
         self._wire.send(messages.Stage(name))
 
     def begin(self, display: Tensor, lit: bool) -> None:
-        """Shows the image (H, W, 3) of the artist's own values; Blender ends what is not `lit`."""
+        """Sends the image (H, W, 3) of the artist's own values; if nothing is `lit`, Blender may end the vibe."""
         from .pictures import save_picture
 
         save_picture(display, self._job / BEFORE)
         self._wire.send(messages.Stage("looking for the look", BEFORE, lit))
 
     def look(self, look: EarlyLook) -> None:
-        """Hands a look over; one whose image is not drawn yet leaves the last image as it is."""
+        """Sends an early look; if its image is not drawn yet, the last one stays."""
         self._wire.send(look_message(messages.LookSoFar, look, self._job))
 
     def step(self, progress: messages.Progress, display: Tensor) -> bool:
@@ -131,7 +131,10 @@ class RemoteObserver:
         return self._wire.stop.is_set()
 
     def ask(self, request: messages.Anchor) -> messages.Anchored | None:
-        """Has Blender render, and waits; its answer holds the error if that failed or is overdue; None if the loop is to end."""
+        """Has Blender render, and waits for the answer, which holds an error if that fails or takes too long.
+
+        Returns None if the loop should end.
+        """
         if not self._wire.stop.is_set():
             self._wire.send(request)
         end = time.monotonic() + _ANSWER_SECONDS
@@ -163,7 +166,7 @@ _LOW_PRIORITY = 5  # of 19, as `nice` counts: at 10 an engine on a busy machine 
 
 
 def serve(source: BinaryIO, sink: BinaryIO) -> None:
-    """Answers requests until the other side quits or goes. A failure becomes an `Error` message."""
+    """Answers requests until the other side quits or closes the stream. A failure becomes an `Error` message."""
     wire = Wire(source, sink)
     wire.send(messages.Ready(schema_hash(), __version__))
     warming = threading.Thread(target=_warm_up, daemon=True)
@@ -219,9 +222,9 @@ def _file_trouble(request: object, error: OSError) -> messages.Error:
 
 
 def _vibe(wire: Wire, request: messages.Vibe, known: KnownPicture | None) -> EngineSession:
-    """Carries out one vibe and sends its result; its images are drawn before that if the panel waits for them.
+    """Carries out one vibe and sends its result; images are drawn before the result is sent if the panel shows looks.
 
-    A further sentence begins with the picture that is `known` from the vibe before.
+    `known` is the last anchor of the vibe before, with which a further sentence begins.
     """
     check_schema(request.schema, "add-on")
     options = messages.Options.from_dict(request.options)
@@ -243,14 +246,14 @@ def _vibe(wire: Wire, request: messages.Vibe, known: KnownPicture | None) -> Eng
 
 
 def _glance(wire: Wire, request: messages.Glance, glances: Glances) -> messages.Glanced:
-    """Carries out one glance; empty where no word is known yet, or it was stopped."""
+    """The answer to a request for a first look; empty if no word is known yet, or the request was stopped."""
     check_schema(request.schema, "add-on")
     look, job = glances.look(request, wire.stop.is_set), Path(request.job)
     return replace(look_message(messages.Glanced, look, job), before=BEFORE) if look else messages.Glanced({})
 
 
 def _read_words(wire: Wire) -> None:
-    """Says how words are understood, without end; of several that wait, only the newest."""
+    """Answers requests to read a prompt, in an endless loop; of several that wait, only the newest."""
     from . import live
 
     while True:
@@ -260,7 +263,7 @@ def _read_words(wire: Wire) -> None:
         try:
             check_schema(request.schema, "add-on")
             answer = live.answer(request)
-        except Exception as error:  # the panel says so, and the next letter is another try
+        except Exception as error:  # the panel shows it, and the next character is another try
             answer = messages.Readings(request.prompt, note=_fault(error).message)
         wire.send(answer)
 
@@ -279,10 +282,10 @@ def _warm_up() -> None:
 
 
 def keep_freed_memory() -> None:
-    """Has glibc keep up to a gigabyte of what is freed; elsewhere nothing changes.
+    """Has glibc keep up to 1 GiB of freed memory; on systems other than Linux nothing changes.
 
-    An array over 32 MB is else the system's again as soon as it is freed, and the next one is cleared page by page: a step
-    of a picture of 2048² took twice as long for that.
+    By default an array over 32 MB is returned to the system as soon as it is freed, and the pages of the next one are
+    cleared again. A step at 2048² pixels took twice as long because of this.
     """
     if sys.platform != "linux":
         return
@@ -295,13 +298,13 @@ def keep_freed_memory() -> None:
 def main() -> None:
     """Runs the worker on this process's standard streams.
 
-    Blender may render meanwhile: torch's threads must sleep, not spin, while they wait for a core. There are half as many
-    as processors, for those are often two to a core, and the loop's pictures are small: with two threads on one core it
-    took a fifth more of the processor's time than with one, and no less of the clock's.
+    Blender may render at the same time, so torch's threads sleep instead of spinning while they wait for a core. There are
+    half as many threads as logical processors, because often two of these share a core. The loop's images are small: two
+    threads on one core used a fifth more processor time than one thread, and were not faster.
     """
     os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
     os.environ.setdefault("OMP_NUM_THREADS", str(max((os.cpu_count() or 1) // 2, 1)))
-    # not the temporary folder
+    # torch's default is a temporary folder
     os.environ.setdefault("TORCHINDUCTOR_CACHE_DIR", str(cache_folder("compiled")))
     keep_freed_memory()
     sink = os.fdopen(os.dup(sys.stdout.fileno()), "wb")

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The judge of a picture against words: the encoder, its views of a picture, and the objective."""
+"""Compares an image with words: the encoder, its views of an image, and the objective."""

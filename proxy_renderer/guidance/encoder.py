@@ -16,7 +16,7 @@ from torch import Tensor, nn
 from ..schema.errors import VibeError
 
 PATCH = 4
-_DARK = 0.03  # added before logarithms are taken: black noise says nothing
+_DARK = 0.03  # added before logarithms are taken, so that noise in black hardly counts
 GRID = 5  # cells along one side of the last grid of features
 
 _REMEDY = "Use the embedded encoder (leave --encoder out), or a tag such as ViT-B-32-256/datacomp_s34b_b86k."
@@ -24,7 +24,7 @@ _PATIENCE = 8.0  # seconds to wait for the hub's answer
 
 
 class Block(nn.Module):
-    """Two 3 × 3 convolutions and a shortcut; `stride` halves the picture."""
+    """Two 3 × 3 convolutions and a shortcut; a `stride` of 2 halves the image."""
 
     def __init__(self, inputs: int, outputs: int, stride: int) -> None:
         super().__init__()
@@ -47,9 +47,9 @@ class Block(nn.Module):
 
 
 class Stem(nn.Module):
-    """Patches, and what is inside them: one linear step cannot tell a sharp edge from a blurred one.
+    """A linear projection of patches, plus two convolutions, because the projection cannot tell sharp edges from blurred.
 
-    Sharp edges in reflections are gloss, and in shadows hard light.
+    Sharp edges mean gloss in reflections, and hard light in shadows.
     """
 
     def __init__(self, outputs: int) -> None:
@@ -63,15 +63,16 @@ class Stem(nn.Module):
         )
 
     def forward(self, x: Tensor) -> Tensor:
-        """(B, 3, H, W) display values, less 0.5 and over 0.25 → (B, outputs, H / 4, W / 4)."""
+        """(B, 3, H, W) display values v as (v − 0.5) / 0.25 → (B, outputs, H / 4, W / 4)."""
         both = with_logarithm(x)
         return self.patches(both) + self.edges(both)
 
 
 def with_logarithm(x: Tensor) -> Tensor:
-    """An image (B, 3, H, W), display values less 0.5 and over 0.25, and its logarithm, as six channels.
+    """An image (B, 3, H, W) of display values v as (v − 0.5) / 0.25, and its logarithm, as six channels.
 
-    In the logarithm light and color add up, so that a shaded side, a cast of the light or a highlight looks alike on every color.
+    The light multiplies a surface's color; in the logarithm both add up. So shade, a color cast of the light or a highlight
+    changes every color in the same way.
     """
     return torch.cat([x, torch.log((0.25 * x + 0.5).clamp_min(0) + _DARK) + 1], 1)
 
@@ -79,10 +80,11 @@ def with_logarithm(x: Tensor) -> Tensor:
 class Tower(nn.Sequential):
     """Images (B, 3, H, W) → features (B, features), by plain residual blocks on a patch stem (He et al. 2016).
 
-    A pooled feature forgets where things were, but "lit from the left" and "dark corners" are about places: the last grid goes whole
-    into the projection. It costs half of what open_clip's ModifiedResNet does at the same size on a CPU.
+    Pooling forgets where things are, but "lit from the left" and "dark corners" are about places: the projection takes the
+    whole last grid. On a CPU it costs half of what open_clip's ModifiedResNet of the same size does.
 
-    The stem makes, for a number of channels, what turns images into a grid of a fourth of their size; a stride of 2 halves it.
+    `stem` makes, for a number of channels, a module that turns images into a grid of a fourth of their width and height.
+    A stride of 2 halves the grid.
     """
 
     def __init__(
@@ -155,7 +157,7 @@ class Encoder:
 
 
 def load_encoder(spec: str | None = None, device: str | torch.device = "cpu") -> Encoder:
-    """Loads an encoder, the shipped one for None or "embedded"; raises VibeError if it is unknown, incomplete, or cannot be had.
+    """Loads an encoder, the shipped one for None or "embedded"; raises VibeError if it is unknown, incomplete or out of reach.
 
     Others are "MODEL/PRETRAINED", an open_clip hub tag that is downloaded once, "hf-hub:OWNER/NAME", or a folder with
     ``open_clip_config.json`` and weights.
@@ -195,7 +197,7 @@ def load_encoder(spec: str | None = None, device: str | torch.device = "cpu") ->
 
 
 def _check_reachable(name: str, repository: str) -> None:
-    """Fails at once, instead of after a minute of retries, where a model is neither here nor within reach."""
+    """Raises VibeError if a model is neither cached nor can be downloaded, without the minute of retries by the hub."""
     from huggingface_hub import constants
 
     if (

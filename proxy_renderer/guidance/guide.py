@@ -17,14 +17,17 @@ _PLAIN = "a picture of an object"  # says nothing of its look
 
 
 def positive_loss(features: Tensor, text: Tensor) -> Tensor:
-    """Equation 3: 1 − s(I, p), a mean over views in [0, 2]; of unit features (views, D) of an image and (1, D) of a phrase."""
+    """Equation 3: 1 − s(I, p) in [0, 2], of unit features (views, D) of an image and (1, D) of a phrase.
+
+    The similarity s is the mean over views of the cosine.
+    """
     return 1.0 - (features @ text.T).mean()
 
 
 def negative_loss(features: Tensor, texts: Tensor, margin: float) -> Tensor:
-    """Equation 4: max(0, s(I, p⁻) − m), mean over views, of the phrase that fits most.
+    """Equation 4: max(0, s(I, p⁻) − m) for the most similar p⁻ of some negative phrases.
 
-    Unit features (views, D) are the image's, (phrases, D) those of what it must not look like.
+    The unit features (views, D) are those of the image, (phrases, D) those of the phrases that it must not look like.
     """
     return F.relu((features @ texts.T).mean(0) - margin).max()
 
@@ -34,8 +37,15 @@ def direction_loss(
 ) -> Tensor:
     """1 − cos(ΔI, ΔT): the image should change in the direction in which the words differ from a plain caption.
 
-    What makes the image like the words by making it unlike any image goes another way (StyleGAN-NADA). All are unit features: of
-    the image (views, D), of the starting one (D,), and of captions (1, D). A ΔI shorter than the least says little.
+    An adversarial change, which makes the image similar to the words but like no image, has another direction
+    (StyleGAN-NADA).
+
+    Args:
+        features: Unit features of the image, (views, D).
+        start: Mean features (D,) of the starting image.
+        text: Unit features (1, D) of the words.
+        plain: Unit features (1, D) of the plain caption.
+        least: Length of ΔI at which the cosine counts half.
     """
     moved = features.mean(0) - start
     length = (moved.square().sum() + 1e-8).sqrt()
@@ -43,7 +53,7 @@ def direction_loss(
 
 
 def border_loss(mask: Tensor) -> Tensor:
-    """Mean subject coverage (H, W) along the picture's border: a subject should not be cut off."""
+    """Mean of the subject's coverage (H, W) along the border of the image, which should not cut the subject off."""
     edges = torch.cat([mask[0], mask[-1], mask[1:-1, 0], mask[1:-1, -1]])
     return edges.mean()
 
@@ -55,10 +65,14 @@ def claims_loss(residuals: list[Tensor]) -> Tensor:
 
 
 def hue_consistency_loss(where: Tensor, colors: Tensor, weights: Tensor) -> Tensor:
-    """Keeps a color's hue: its components should stand at the same place (N,) in their ranges, [0, 1].
+    """Squared deviation of each color's components from a common place in their ranges, so that the color keeps its hue.
 
-    A range is a box around the named color; its corners are other hues. Colors (M, 3) are indices of components, whose weights (N,)
-    are 0 where they are fixed.
+    The range of a color is a box around the named color, and the corners of the box have other hues.
+
+    Args:
+        where: Place in [0, 1] of each of N components in its range, (N,).
+        colors: Indices (M, 3) of the components of M colors.
+        weights: Weight (N,) of each component; 0 for those that are fixed.
     """
     place, weight = where[colors], weights[colors]
     middle = (place * weight).sum(1, keepdim=True) / weight.sum(1, keepdim=True).clamp_min(1.0)
@@ -66,7 +80,10 @@ def hue_consistency_loss(where: Tensor, colors: Tensor, weights: Tensor) -> Tens
 
 
 def prior_loss(where: Tensor, home: Tensor, weight: Tensor) -> Tensor:
-    """Pull to the artist's values: squared distance from home of places (N,) in their ranges, weighted by (N,) in [0, 1]."""
+    """Pull to the artist's values: weighted squared distance of places (N,) in ranges from the artist's, `home` (N,).
+
+    The weights (N,) are in [0, 1].
+    """
     return (weight * (where - home).square()).sum()
 
 
@@ -80,8 +97,8 @@ class Weights:
     direction: float = 0.2  # change of the whole image in the direction of the words
     negative: float = 0.8  # λ_neg
     border: float = 0.5  # subject on the image's border
-    claims: float = 0.5  # of claims, in noticeable steps
-    prior: float = 0.5  # pull of what no word names to the artist's value
+    claims: float = 0.5  # misses of claims, in noticeable steps
+    prior: float = 0.5  # pull of values that no word names to the artist's
     hue: float = 2.0  # pull of a color's components to one place in their ranges
 
 
@@ -95,7 +112,7 @@ class Guidance(Protocol):
 
 
 class NoGuidance:
-    """Nothing but the claims: where measures cover all words."""
+    """A guidance without terms, so that only claims count: for prompts whose words all have measures."""
 
     views = regions.Views()
 
@@ -107,8 +124,8 @@ class NoGuidance:
 class PromptGuidance:
     """The objective for one prompt.
 
-    Hinge margins are calibrated on image (H, W, 3) and mask (H, W) of the artist's scene, because encoders differ in how
-    alike they find everything.
+    The margins of equation 4 are calibrated on `start`, image (H, W, 3) and subject mask (H, W) of the artist's scene:
+    the similarity of unrelated images and phrases differs between encoders.
     """
 
     def __init__(
@@ -162,7 +179,7 @@ class PromptGuidance:
 
 
 def _texts(encoder: Encoder, texts: tuple[str, ...]) -> Tensor:
-    """Unit features (B, D) of the phrases that say something; (0, D) when there are none."""
+    """Unit features (B, D) of the phrases that are not empty; (0, D) if there are none."""
     spoken = [t for t in texts if t]
     with torch.no_grad():
         features = encoder.encode_texts(spoken or [""])

@@ -15,7 +15,7 @@ _TRIES = 8
 _HELD = 0.7  # least share of a region in a crop
 _SCALE = (0.75, 1.0)  # of a crop's side, relative to the image's
 _DISTORTION = 0.2  # by which its corners may move inwards, relative to half the side
-_EVERY_PLAIN = 2  # step between the views of a subject that stand on its surroundings' mean color
+_EVERY_PLAIN = 2  # every so many views of a subject, one has the mean color of the surroundings behind it
 
 
 def quads(count: int, generator: torch.Generator) -> Tensor:
@@ -48,8 +48,8 @@ def keeping(mask: Tensor, count: int, generator: torch.Generator) -> Tensor:
 
 
 def warp(pictures: Tensor, corners: Tensor, size: int) -> Tensor:
-    """The views (B, C, size, size) that quadrilaterals (B, 4, 2) cut out of images (B or 1, C, H, W), differentiable in them."""
-    # halved while they are far larger than what is sampled from them: no aliasing
+    """The views (B, C, size, size) that quadrilaterals (B, 4, 2) cut out of images (B or 1, C, H, W), with gradients."""
+    # Images are halved while they are far larger than the views, against aliasing.
     while min(pictures.shape[-2:]) >= 4 * size:
         pictures = F.avg_pool2d(pictures, 2)
     count = len(corners)
@@ -62,12 +62,12 @@ def warp(pictures: Tensor, corners: Tensor, size: int) -> Tensor:
 
 
 def whole(pictures: Tensor, size: int) -> Tensor:
-    """The uncropped images (B, C, H, W), squeezed to squares (B, C, size, size), differentiable in them."""
+    """The uncropped images (B, C, H, W), scaled to squares (B, C, size, size), with gradients."""
     return F.interpolate(pictures, size=(size, size), mode="bilinear", antialias=True, align_corners=False)
 
 
 def _homographies(corners: Tensor) -> Tensor:
-    """(B, 3, 3) maps of [-1, 1]² onto quadrilaterals (B, 4, 2), by the direct linear transform with the ninth entry 1."""
+    """Homographies (B, 3, 3) from [-1, 1]² to quadrilaterals (B, 4, 2), by the direct linear transform with h₃₃ = 1."""
     source = _CORNERS.to(corners).expand(len(corners), -1, -1)
     x, y = source.unbind(-1)
     u, v = corners.unbind(-1)
@@ -96,9 +96,8 @@ def mean(values: Tensor, mask: Tensor) -> Tensor:
 def subject_views(display: Tensor, mask: Tensor, count: int, generator: torch.Generator, size: int) -> Tensor:
     """I ⊙ M, framed by the subject, each view on another plain background: (count, 3, size, size).
 
-    Half of the backgrounds are random colors, so that nothing can be said about the subject by
-    changing what is behind it (CLIP-Mesh); the others are the mean color of the surroundings, so
-    that it is judged in the light that it stands in.
+    Half of the backgrounds are random colors, so that a change behind the subject cannot make the subject fit the words
+    (CLIP-Mesh). The others are the mean color of the surroundings, so that the subject is judged in its own light.
     """
     box = _frame(mask)
     display, mask = display[box], mask[box]
@@ -129,7 +128,7 @@ def whole_views(display: Tensor, count: int, generator: torch.Generator, size: i
 
 
 def _frame(mask: Tensor, margin: float = 0.15) -> tuple[slice, slice]:
-    """The square-ish window around the subject, with some room; the whole picture if it is empty."""
+    """Rows and columns of a nearly square window around the subject, with a margin; all of them without a subject."""
     solid = mask.detach() > 0.5
     rows, columns = solid.any(1).nonzero(), solid.any(0).nonzero()
     if not len(rows):

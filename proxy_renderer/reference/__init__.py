@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A picture as the words: what it looks like, as claims, and what may change to get there."""
+"""A reference image, in place of words or with them: its look as claims, and the values that may change for it."""

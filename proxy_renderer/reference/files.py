@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The picture that an artist gives as the words: JPEG, PNG, WebP, TIFF and their like, OpenEXR and Radiance (.hdr)."""
+"""Reads a reference image: JPEG, PNG, WebP, TIFF and similar formats, OpenEXR and Radiance (.hdr)."""
 
 import io
 import re
@@ -19,10 +19,10 @@ from ..color.arrays import srgb_from_linear
 from ..inputs import check
 from ..schema import VibeError
 
-LONGEST = 1024  # longer side in pixels beyond which a picture tells nothing more of a look
+LONGEST = 1024  # pixels of the longer side; more say nothing about a look
 
 Pixels = tuple[np.ndarray, np.ndarray, bool]
-"""Of a file: colors (H, W, 3), sRGB in [0, 1] or linear Rec.709 of at least 0, alpha (H, W) in [0, 1], and whether they are linear."""
+"""Colors (H, W, 3), sRGB in [0, 1] or linear Rec.709 of at least 0; alpha (H, W) in [0, 1]; True for linear colors."""
 
 
 def small_size(width: int, height: int, longest: int = LONGEST) -> tuple[int, int]:
@@ -32,7 +32,10 @@ def small_size(width: int, height: int, longest: int = LONGEST) -> tuple[int, in
 
 
 def shrunk_linear(color: np.ndarray, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Means of areas of a linear image (H, W, 3), weighted by alpha (H, W) in [0, 1], and of the alpha, at `small_size`."""
+    """A linear image (H, W, 3) and its alpha (H, W) in [0, 1], reduced to `small_size` by means of areas.
+
+    Colors are weighted by alpha.
+    """
     size = small_size(color.shape[1], color.shape[0])
     weight = _mean(alpha, size)
     sums = np.stack([_mean(color[..., c] * alpha, size) for c in range(3)], -1)
@@ -45,7 +48,7 @@ def _mean(channel: np.ndarray, size: tuple[int, int]) -> np.ndarray:
 
 
 def to_srgb(picture: Image.Image, icc: bytes) -> Pixels:
-    """The pixels of a small picture by its color profile, b"" for none."""
+    """The pixels of a small image in sRGB; `icc` is its color profile, b"" for none."""
     alpha: np.ndarray = np.ones((picture.height, picture.width), np.float32)
     if picture.getbands()[-1] in ("A", "a"):
         straight = picture.convert(picture.mode.upper())
@@ -55,7 +58,7 @@ def to_srgb(picture: Image.Image, icc: bytes) -> Pixels:
 
 
 def _converted(picture: Image.Image, icc: bytes) -> Image.Image:
-    """A picture in sRGB. One without a profile that can be used is taken for sRGB, and inks as Pillow has them."""
+    """An image in sRGB. Without a usable profile, RGB counts as sRGB, and Pillow converts other modes such as CMYK."""
     if icc:
         with suppress(ImageCms.PyCMSError, OSError, ValueError):
             source, target = ImageCms.ImageCmsProfile(io.BytesIO(icc)), ImageCms.createProfile("sRGB")
@@ -67,7 +70,7 @@ def _converted(picture: Image.Image, icc: bytes) -> Image.Image:
 
 
 FORMATS = ("JPEG", "PNG", "WEBP", "TIFF", "BMP", "GIF", "AVIF", "JPEG2000", "PPM", "TGA", "QOI")
-"""Of Pillow's, those that hold one flat picture."""
+"""Pillow's formats that hold a flat image."""
 
 _RAW = re.compile(r"\.(3fr|arw|cr[23w]|dng|erf|iiq|kdc|nef|nrw|orf|pef|raf|raw|rw2|srw|x3f)")
 _FAULTS = (OSError, SyntaxError, ValueError, TypeError, KeyError, IndexError, EOFError, OverflowError)
@@ -75,7 +78,7 @@ _FAULTS = (OSError, SyntaxError, ValueError, TypeError, KeyError, IndexError, EO
 
 
 def read_encoded(path: Path) -> Pixels:
-    """Reads a picture; of several frames or pages the first. Raises VibeError if it is none, damaged or too large."""
+    """Reads an image, of several frames or pages the first. Raises VibeError if it is no image, damaged or too large."""
     if _RAW.fullmatch(path.suffix.lower()):  # such a file is a TIFF with a thumbnail in it
         remedy = "Develop it, and save it as JPEG or TIFF."
         raise VibeError(f"{path.name} is a camera's raw picture, which has no look yet.", remedy)
@@ -123,11 +126,11 @@ def _small(picture: Image.Image) -> Image.Image:
 
 _REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 _BRADFORD = np.array(((0.8951, 0.2664, -0.1614), (-0.7502, 1.7135, 0.0367), (0.0389, -0.0685, 1.0296)))
-"""Cones from XYZ, for adaptation to another white (Lindbloom, "Chromatic Adaptation")."""
+"""Matrix from XYZ to cone responses, for adaptation to another white (Lindbloom, "Chromatic Adaptation")."""
 
 
 def read_exr(path: Path) -> Pixels:
-    """Reads an EXR's only layer, or Blender's Combined. Raises VibeError if it is damaged or has no colors."""
+    """Reads the main layer of an EXR, see `_best`. Raises VibeError if the file is damaged or has no colors."""
     pixels, header = _layer(path)
     if pixels.ndim == 2:
         pixels = np.repeat(pixels[..., None], 3, -1)
@@ -144,7 +147,7 @@ def read_exr(path: Path) -> Pixels:
 
 
 def rec709_from(chromaticities: Sequence[float]) -> np.ndarray:
-    """Matrix (3, 3) to linear Rec.709 from CIE x and y of red, green, blue and white, which is adapted."""
+    """Matrix (3, 3) to linear Rec.709 from CIE x and y of red, green, blue and white; the white is adapted to D65."""
 
     def white(xy: Sequence[float]) -> np.ndarray:
         return np.array((xy[0] / xy[1], 1.0, (1 - xy[0] - xy[1]) / xy[1]))
@@ -159,7 +162,7 @@ def rec709_from(chromaticities: Sequence[float]) -> np.ndarray:
 
 
 def _layer(path: Path) -> tuple[np.ndarray, Mapping[str, Any]]:
-    """The pixels (H, W) or (H, W, 3 or 4) of the layer that is the picture, and the header of its part."""
+    """The pixels (H, W) or (H, W, 3 or 4) of the main layer, and the header of its part."""
     import OpenEXR
 
     try:
@@ -180,7 +183,7 @@ def _layer(path: Path) -> tuple[np.ndarray, Mapping[str, Any]]:
 
 
 def _best(layers: Mapping[str, tuple[np.ndarray, Mapping[str, Any]]]) -> str | None:
-    """The layer that is the picture: plain RGB, Blender's Combined, or plain gray."""
+    """Name of the main layer: plain RGB, Blender's Combined, plain gray, or the only one with colors."""
     colors = [name for name, (pixels, _) in layers.items() if pixels.ndim == 3 and pixels.shape[2] >= 3]
     ranked = [name for name in colors if name in ("RGBA", "RGB")]
     ranked += [name for name in colors if name.rpartition(".")[2] == "Combined"]
@@ -193,7 +196,7 @@ _SIZE = re.compile(rb"\n-Y (\d+) \+X (\d+)\n")
 
 
 def read_radiance(path: Path) -> Pixels:
-    """Reads an RGBE picture, run-length encoded or not. Raises VibeError if it is damaged, XYZ or turned."""
+    """Reads an RGBE image, run-length encoded or not. Raises VibeError if it is damaged, XYZE, or flipped or rotated."""
     data = path.read_bytes()
     size = _SIZE.search(data)
     if size is None or b"32-bit_rle_xyze" in data[: size.start()]:
@@ -237,17 +240,19 @@ def _decode(data: bytes, at: int, line: np.ndarray) -> int:
     return at
 
 
-_SEAM = 2.5  # how many times as much as neighbors the first and the last column of a panorama may differ
-_POLE = 0.06  # greatest deviation along the first and the last row of a panorama, each of which is one point
+# greatest difference of a panorama's first and last column, in multiples of that of neighboring columns
+_SEAM = 2.5
+# greatest standard deviation in the first and the last row of a panorama, each of which is one point
+_POLE = 0.06
 _LEAST_PANORAMA = 64
 
 
 @dataclass(frozen=True)
 class ReferencePicture:
-    """A picture as everything else takes it."""
+    """A reference image, read and reduced."""
 
-    # (H, W, 3) float32, sRGB-encoded, in [0, 1]. Of linear light it is the plain sRGB curve, cut off at white, until
-    # a scene is known, whose view shows `linear`
+    # (H, W, 3) float32, sRGB-encoded, in [0, 1]. Of a linear image it is `linear` by the sRGB curve, clipped at white;
+    # `Reference.of` replaces it by `linear` as the scene's view transform shows it
     display: np.ndarray
     linear: np.ndarray | None = None  # (H, W, 3) float32 linear Rec.709, at least 0; None for display colors
     alpha: np.ndarray | None = None  # (H, W) in [0, 1], how much each pixel counts; None if all count
@@ -255,7 +260,7 @@ class ReferencePicture:
 
 
 def read_reference(path: Path | str) -> ReferencePicture:
-    """Reads a picture, at most 1024 pixels long. Raises VibeError if there is none, or it cannot be read."""
+    """Reads an image, reduced to at most 1024 pixels. Raises VibeError if there is no such file, or it cannot be read."""
     found = check.file(str(path), "picture")
     color, alpha, is_linear = _reader(found)(found)
     if alpha.max() < 1 / 255:
@@ -269,7 +274,7 @@ def read_reference(path: Path | str) -> ReferencePicture:
 
 
 def _reader(path: Path) -> Callable[[Path], Pixels]:
-    """The reader of a file, by its first bytes: names lie."""
+    """The function that reads a file, chosen by its first bytes, because names can be wrong."""
     with path.open("rb") as file:
         head = file.read(10)
     if head.startswith(b"\x76\x2f\x31\x01"):
@@ -280,7 +285,7 @@ def _reader(path: Path) -> Callable[[Path], Pixels]:
 
 
 def _wraps(display: np.ndarray) -> bool:
-    """True if a picture is twice as wide as high, goes on beyond its sides, and ends in one point above and below."""
+    """True for a panorama: twice as wide as high, with sides that fit together, and even at the top and the bottom."""
     height, width = display.shape[:2]
     if height < _LEAST_PANORAMA or abs(width - 2 * height) > 2:
         return False

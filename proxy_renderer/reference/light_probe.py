@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A panorama of light, as an HDRI is: where most of it comes from, in what color, and how much more than from all around."""
+"""The light of a panorama, such as an HDRI: direction and color of its brightest part, the key, and its ratio to the rest."""
 
 import math
 from dataclasses import dataclass
@@ -9,21 +9,21 @@ import numpy as np
 from ..color.arrays import luminance
 from ..schema import Values
 
-_BRIGHT = 6.0  # times the mean: what is brighter belongs to the key
-_KEY = 0.1  # share of all light from where there is a key
-_NEAR = 4.0  # degrees by which a lamp's direction may be off
-_SAME_COLOR = 0.03  # by which components of its color may be off
+_BRIGHT = 6.0  # times the mean luminance; brighter pixels belong to the key
+_KEY = 0.1  # least share of all light that a key gives
+_NEAR = 4.0  # degrees by which the angles of the scene's key light may differ
+_SAME_COLOR = 0.03  # by which components of colors may differ
 
 
 @dataclass(frozen=True)
 class LightProbe:
-    """The light of a panorama, if it were the world's."""
+    """The light of a panorama, as if it were the world of a scene."""
 
     azimuth: float | None  # of the key: degrees as in `schema.orbit`; None if no part stands out
     elevation: float | None  # likewise
     key: Values  # colors of the key and of the rest, linear, the greatest component 1
     around: Values
-    ratio: float  # light of the key on a surface that faces it, in parts of what the rest gives
+    ratio: float  # light of the key on a surface that faces it, in multiples of the rest's light
 
 
 def probe(linear: np.ndarray) -> LightProbe:
@@ -49,7 +49,10 @@ def probe(linear: np.ndarray) -> LightProbe:
 
 
 def effects_of(found: LightProbe) -> list[str]:
-    """The key light turned and colored as the panorama's, and the world colored as the rest; how bright either is stays."""
+    """Effects that give the key light the direction and color of the key, and the world the color of the rest.
+
+    The brightness of both stays.
+    """
     texts = [
         _near("world/color", found.around, _SAME_COLOR),
         _near("key/color", found.key, _SAME_COLOR),

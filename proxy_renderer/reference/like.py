@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A reference image, its wishes, their effects, and plans for it in the place of words or with them."""
+"""A reference image, its wishes, their effects, and plans for it, with or without words."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from .regions import PictureRegions, regions_of
 
 
 class Reference:
-    """The picture that a look is taken from, named by its file."""
+    """The reference image, with the name of its file."""
 
     def __init__(self, picture: ReferencePicture, name: str, options: Options) -> None:
         self.picture, self.name, self._only = picture, name, options.like_only
@@ -46,7 +46,7 @@ class Reference:
 
     @classmethod
     def of(cls, options: Options, scene: SceneData) -> Reference | None:
-        """The picture that the options name, or None, linear light as the scene shows its own; raises VibeError if unreadable."""
+        """The image that the options name, or None; linear light is shown by the scene's view. Raises VibeError if unreadable."""
         if not options.like:
             return None
         path = Path(options.like)
@@ -62,16 +62,19 @@ class Reference:
 
     @property
     def traits(self) -> tuple[str, ...]:
-        """The traits that are taken over: what was asked for, else all but materials, which only a picture of this scene tells."""
+        """The traits to take over: those that the artist chose, else all, but materials only from an image of the same scene."""
         return self._only or (TRAITS if self.same else TRAITS[:-1])
 
     def compare(self, rendered: Tensor) -> None:
-        """Finds out, once, whether it shows the same scene as the artist's own image (H, W, 3)."""
+        """Finds out, once, whether the reference shows the same scene as the artist's own image (H, W, 3)."""
         if self.same is None and not self.probe:
             self.same = statements.is_same(self.display, rendered)
 
     def wishes(self, instances: Collection[Instance], seen: Callable[[], GBuffer]) -> list[Wish]:
-        """Wishes for what may change and what the picture has, then one for each statement; `seen` is asked for only of the same scene."""
+        """Wishes with the effects and facts of the image, then one for each statement on it.
+
+        `seen` returns the scene's G-buffer; it is called only for an image of the same scene.
+        """
         if self.probe:
             return self._wishes(self.name, light_probe.effects_of(self.probe))
         if self.same:
@@ -92,7 +95,7 @@ class Reference:
 
     @cached_property
     def probe(self) -> light_probe.LightProbe | None:
-        """The light of a panorama; None for a picture that has a frame."""
+        """The light of a linear panorama; None for other images."""
         linear = self.picture.linear
         return light_probe.probe(linear) if self.picture.panorama and linear is not None else None
 
@@ -101,7 +104,7 @@ class Reference:
         return regions_of(self.picture.display, self.picture.alpha)
 
     def _facts(self) -> Iterator[ClaimText]:
-        """Claims of what the picture itself has, as far as a flat picture tells."""
+        """Claims of weight 0 that record measures of the image itself, as far as a flat image has them."""
         parts: tuple[Part, ...] = ("picture", "subject") if self._regions.subject else ("picture",)
         for part in parts:
             where = self._regions.region(part)
@@ -112,7 +115,7 @@ class Reference:
 
 @cache
 def _word(word: str, name: str, material: str) -> Attribute:
-    """The one word for all that is said with it."""
+    """The attribute of one statement on the image; cached, so that its wishes share it."""
     owners = (material,) if material else ()
     return Attribute(word, name, PICTURE, "whole", "whole", owners=owners, thing=material)
 
@@ -128,7 +131,7 @@ def _shown(linear: np.ndarray, scene: SceneData) -> np.ndarray:
 
 
 class LikeAdvisor:
-    """Adds a picture's wishes to those of words, where there is an advisor for them; `seen` is what the camera sees."""
+    """Adds an image's wishes to those of `words`, an advisor or None; `seen` returns the scene's G-buffer."""
 
     def __init__(self, reference: Reference, words: Advisor | None, seen: Callable[[], GBuffer]) -> None:
         self._reference, self._words, self._seen = reference, words, seen
@@ -136,7 +139,7 @@ class LikeAdvisor:
 
     def advise(self, display: Any, instances: Mapping[str, Instance], scene: SceneDescription) -> Advice:
         """As `Advisor.advise`. Raises VibeError if no word of the prompt is known, or the picture can change nothing."""
-        if self._words is None:  # beside words it is no goal, but where they start from
+        if self._words is None:  # with words, the image is not the goal, but where the words start from
             self._reference.compare(display)
             plan = Plan({key: PlanEntry.kept(each, UNTOUCHED) for key, each in instances.items()})
             advice = Advice(Goals(Parsed("")), NO_PROMPTS, plan, source="the picture")
@@ -165,14 +168,19 @@ _TABLES = tomllib.loads(Path(__file__).with_name("like.toml").read_text("utf-8")
 
 
 def _effects(table: str) -> dict[str, Effect]:
-    """Family -> what an image may do to its values, by a table of `like.toml`."""
+    """Parameter family -> the effect that an image may have on it, from a table of `like.toml`."""
     return {effect.family: effect for effect in map(parse_effect, _TABLES[table])}
 
 
 def effects_of(
     instances: Collection[Instance], traits: Collection[str], measures: Collection[str], same: bool
 ) -> list[Effect]:
-    """The effects that a picture lets act for traits that are taken over, where these measures are claimed of an image like it."""
+    """The effects of an image for the traits to take over, without those that need a measure that is not claimed.
+
+    Args:
+        measures: The measures that statements on the image claim.
+        same: Whether the image shows the same scene.
+    """
     table = _effects("another_scene")
     free = {i.parameter.family for i in instances if not i.locked}
     if same:
@@ -189,14 +197,14 @@ def effects_of(
 
 
 def kept_values(instances: Mapping[str, Instance], entries: Collection[str]) -> tuple[str, ...]:
-    """Sentences on the families that stay because a picture cannot tell them."""
+    """Sentences on the parameter families that stay because an image does not determine them."""
     families = {i.parameter.family for key, i in instances.items() if key not in entries and not i.locked}
     said = (f"{family}: {why}" for family, why in _TABLES["stays"].items() if family in families)
     return tuple(f"Kept as you have it, {text}." for text in said)
 
 
 def _serves(family: str, traits: Collection[str]) -> bool:
-    """True if values of a family serve what is taken over; the colors of light serve a palette, too."""
+    """True if parameters of a family serve one of the traits; those of lights and world serve the palette, too."""
     group = family.partition("/")[0]
     colors = group in ("light", "world") or family == "film/saturation"
     return _TABLES["traits"][group] in traits or ("palette" in traits and colors)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Regions of a flat picture, as far as it tells them: a subject before what is around it, and a sky.
+"""Regions of a flat image, where they are clear: a subject, its surroundings, and a sky.
 
-Nothing is recognized. A subject is what differs from the picture's border and lies near its middle, as in saliency by
-background priors (Wei et al. 2012, Geodesic saliency using background priors); a sky is even, light, and hangs from the
-upper border. Where that is not clear, nothing is said of them, and the picture is read by places in the frame.
+Objects are not recognized. A subject is what differs from the image's border and lies near its middle, as in saliency by
+background priors (Wei et al. 2012, Geodesic saliency using background priors). A sky is even, light, and touches the
+upper border. Without a clear subject, the image is described by places in the frame.
 """
 
 from dataclasses import dataclass
@@ -23,18 +23,18 @@ from ..schema import Values
 from ..words.types import Part
 from .files import small_size
 
-SIZE = 192  # longer side at which pictures are read, pixels: about that of the pictures in the loop
+SIZE = 192  # pixels of the longer side at which images are measured, about as in the search
 _TRANSPARENT = 0.5  # alpha up to which a pixel does not count
-_FEW = 16  # pixels of which nothing can be said
-_SMALL = 96  # longer side at which regions are told
-_BORDER, _GROUNDS = 0.06, 5  # width of the border, of the shorter side, and how many colors it may have
-_MIDDLE = 0.6  # of half a diagonal: how far from the middle a subject is looked for
-_SUBJECT = (0.04, 0.5)  # share of the picture that a subject covers
-_ON_BORDER = 0.22  # share of the border that a subject may touch
-_DISTINCT = 16.0  # distance in Lab of a subject's mean color from what is around it
-_SKY = (0.12, 0.7)  # share of the picture that a sky covers
+_FEW = 16  # pixels; a smaller region is not measured
+_SMALL = 96  # pixels of the longer side at which regions are found
+_BORDER, _GROUNDS = 0.06, 5  # width of the border in shorter sides; number of colors that stand for it
+_MIDDLE = 0.6  # half diagonals; standard deviation of the weight that falls off from the middle
+_SUBJECT = (0.04, 0.5)  # least and greatest share of the image that a subject covers
+_ON_BORDER = 0.22  # greatest share of the border that a subject touches
+_DISTINCT = 16.0  # least Lab distance of a subject's mean color from that of the rest
+_SKY = (0.12, 0.7)  # least and greatest share of the image that a sky covers
 _EVEN, _LIGHTER, _OTHER = 2.5, 8.0, 15.0
-"""A sky: L* per pixel that it may change by, how much lighter than the rest it is, and how far from the lower border's color."""
+"""Of a sky: greatest slope of L* per pixel, least L* above the rest, and least Lab distance from the color at the bottom."""
 
 
 @dataclass(frozen=True)
@@ -44,17 +44,20 @@ class PictureRegions:
     picture: MeasuredPicture
     subject: bool  # whether a subject is found
     sky: bool  # whether a sky is found
-    counts: Tensor  # (H, W) bool, the pixels that are seen: not those that are transparent
+    counts: Tensor  # (H, W) bool, the pixels that are not transparent
 
     def region(self, part: Part, box: Values = ()) -> Tensor | None:
-        """The pixels (H, W) bool of a part, or of a box in it, that are seen; None where they are few."""
+        """(H, W) bool: pixels of a part, or of a box in it, that are not transparent; None if they are too few."""
         where = Claim("", part, "mean", part, (), (), box=box).region(self.picture.seen)
         where = None if where is None else where & self.counts
         return where if where is not None and where.sum() >= _FEW else None
 
 
 def regions_of(display: np.ndarray, alpha: np.ndarray | None = None) -> PictureRegions:
-    """The regions of an sRGB picture (H, W, 3) in [0, 1] whose pixels count as `alpha` (H, W) says; a cutout has no subject."""
+    """The regions of an sRGB image (H, W, 3) in [0, 1]; pixels of low `alpha` (H, W) do not count.
+
+    A subject is not looked for in an image with transparent pixels.
+    """
     seen = np.ones(display.shape[:2], bool) if alpha is None else alpha > _TRANSPARENT
     planes = torch.from_numpy(_filled(display, seen)).permute(2, 0, 1)[None]
     small = _resized(planes, _SMALL)
@@ -71,7 +74,7 @@ def regions_of(display: np.ndarray, alpha: np.ndarray | None = None) -> PictureR
 
 
 def _filled(display: np.ndarray, seen: np.ndarray) -> np.ndarray:
-    """A picture (H, W, 3) whose transparent pixels have the color of the nearest one that is seen."""
+    """An image (H, W, 3) whose transparent pixels have the color of the nearest one that is `seen` (H, W)."""
     if seen.all():
         return np.ascontiguousarray(display)
     nearest = ndimage.distance_transform_edt(~seen, return_distances=False, return_indices=True)
@@ -79,14 +82,14 @@ def _filled(display: np.ndarray, seen: np.ndarray) -> np.ndarray:
 
 
 def _flat(subject: Tensor, sky: Tensor) -> GBuffer:
-    """A G-buffer of a flat picture: only the subject's pixels and the sky's are known."""
+    """A G-buffer of a flat image: it knows only which pixels are subject and which are sky, (H, W) each."""
     material = torch.where((sky > 0.5) & (subject < 0.5), -1, 0)
     blank = torch.ones_like(subject)
     return GBuffer(subject, material, ("",), torch.zeros(*subject.shape, 3), blank, blank)
 
 
 def _subject(lab: np.ndarray, sky: np.ndarray) -> np.ndarray:
-    """(H, W) bool: the subject; empty where none can be told."""
+    """(H, W) bool: the subject; all False if none is clear. `lab` is (H, W, 3), `sky` (H, W) bool."""
     nothing = np.zeros(sky.shape, bool)
     border, width = np.ones(sky.shape, bool), max(round(_BORDER * min(sky.shape)), 1)
     border[width:-width, width:-width] = False
@@ -109,7 +112,7 @@ def _subject(lab: np.ndarray, sky: np.ndarray) -> np.ndarray:
 
 
 def _sky(lab: np.ndarray) -> np.ndarray:
-    """(H, W) bool: the sky; empty where none can be told."""
+    """(H, W) bool: the sky of an image (H, W, 3) in Lab; all False if none is clear."""
     light = ndimage.gaussian_filter(lab[..., 0], 0.8)
     even = np.hypot(*np.gradient(light)) < _EVEN
     parts, _ = ndimage.label(even)
@@ -124,7 +127,7 @@ def _sky(lab: np.ndarray) -> np.ndarray:
 
 
 def _otsu(field: np.ndarray) -> float:
-    """The threshold that parts a field best in two (Otsu 1979)."""
+    """The threshold that best divides the values of a field into two classes (Otsu 1979)."""
     counts, edges = np.histogram(field, 64)
     middles = (edges[1:] + edges[:-1]) / 2
     below, total = counts.cumsum(), counts.sum()
@@ -135,5 +138,5 @@ def _otsu(field: np.ndarray) -> float:
 
 
 def _resized(planes: Tensor, longest: int) -> Tensor:
-    """A picture (1, C, H, W), averaged to a longer side; one that is smaller stays."""
+    """An image (1, C, H, W), reduced by means of areas to a longer side; a smaller one stays."""
     return F.interpolate(planes, small_size(planes.shape[-2], planes.shape[-1], longest), mode="area")

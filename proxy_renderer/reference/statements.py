@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Statements of a picture, as claims: of any scene its tones, casts, light, palette and haze; of the same scene every place and material."""
+"""Statements on a reference image, as claims.
+
+An image of another scene gives tones, casts, light, palette and haze; one of the same scene the color of every place and
+material.
+"""
 
 import math
 from collections.abc import Iterator
@@ -26,25 +30,25 @@ from .regions import PictureRegions
 
 @dataclass(frozen=True)
 class Statement:
-    """A claim that our image is like a picture."""
+    """A claim that the render resembles the reference image in one respect."""
 
     trait: str  # one of `schema.options.table.TRAITS`
     word: str  # what it is called: "teal shadows"
     claim: ClaimText
-    material: str = ""  # that it is about, whose name the scene has; "" for a part of the image
+    material: str = ""  # the scene's material that the claim is about; "" for a part of the image
 
 
 _WORDS = ("upper", "middle", "lower")
 _SIDES = ("left", "middle", "right")
 _ASPECT = 0.02  # share by which proportions may differ
 _ALIKE = 0.4
-"""Correlation of edges from where two pictures show one scene. Of 19 scenes before and after a vibe it is .51 to .98, of
-240 pairs of two scenes .26 at most."""
+"""Correlation of edges from which two images show one scene. Before and after a vibe it is .51 to .98 (19 scenes), for two
+different scenes .26 at most (240 pairs)."""
 _EDGES = 128  # longer side at which edges are compared, pixels
-_SEEN = 0.99  # alpha from where a pixel is compared
-_FLAT = 1.0  # L* per pixel: what is below is hardly an edge
+_SEEN = 0.99  # least alpha of a pixel that is compared
+_FLAT = 1.0  # Lab distance per pixel; smaller slopes are hardly edges
 _LONGER = 12  # cells along the longer side
-_EXACT = 0.5  # noticeable steps that a cell may be off on either side
+_EXACT = 0.5  # noticeable steps by which the color of a cell or a material may differ
 
 
 def is_same(reference: Tensor, rendered: Tensor) -> bool:
@@ -54,14 +58,17 @@ def is_same(reference: Tensor, rendered: Tensor) -> bool:
 
 
 def likeness(reference: Tensor, rendered: Tensor) -> float:
-    """Correlation of where two pictures (H, W, 3) have edges; compressed, as light changes their strengths, not places."""
+    """Correlation of the edges of two images (H, W, 3).
+
+    Strengths of edges are compressed, because a change of light changes them, but not the places of edges.
+    """
     shape = small_size(rendered.shape[0], rendered.shape[1], _EDGES)
     maps = torch.stack([_edges(picture, shape).flatten() for picture in (reference, rendered)])
     return float(torch.nan_to_num(torch.corrcoef(maps)[0, 1]))
 
 
 def _edges(picture: Tensor, shape: tuple[int, int]) -> Tensor:
-    """(h, w) log strength of edges in Lab, relative to those around: in a dim corner they count as much."""
+    """(h, w) log of slopes in Lab relative to the mean slope around, so that edges in a dim corner count as much."""
     planes = F.interpolate(picture.detach().cpu().float().permute(2, 0, 1)[None], shape, mode="area")
     lab = lab_from_srgb(planes[0].permute(1, 2, 0))
     slopes = torch.stack(torch.gradient(lab, dim=(0, 1))).square().sum((0, -1)).sqrt()
@@ -70,7 +77,7 @@ def _edges(picture: Tensor, shape: tuple[int, int]) -> Tensor:
 
 
 def statements_by_place(picture: Tensor, alpha: np.ndarray | None, seen: GBuffer) -> list[Statement]:
-    """Statements of a picture of this scene on every place in the frame and every material, where all of it is seen."""
+    """Statements on an image of the same scene, on each cell of the frame and each material that is nowhere transparent."""
     measured = MeasuredPicture.of(picture, seen)
     hidden = torch.zeros_like(seen.subject, dtype=torch.bool)
     if alpha is not None:
@@ -123,30 +130,30 @@ def hue(a: float, b: float) -> str:
     return f"slightly {name}" if strength < _SLIGHT else name
 
 
-CLOSE, LOOSE = 1.5, 2.5  # noticeable steps on either side: of the whole picture, and of a part
-_MIXED = 0.35  # share of a part's deviation in a*, b* by which its cast may be off: mixed colors say little
+CLOSE, LOOSE = 1.5, 2.5  # noticeable steps from the image's value to either end of a claim
+# share of the spread of a part's a*, b* by which its cast may differ: in mixed colors it says little
+_MIXED = 0.35
 
 _PAINTED, _GRAYEST = 18.0, 0.3
-"""Mean chroma that is asked for at most, and the share of the grayest pixels that may be without it: color that a third of a
-picture lacks is paint, which a scene has or has not."""
+"""Greatest mean chroma that a claim asks for, and a quantile of the pixels' chroma that it does not exceed either. Color that
+the grayest third of an image lacks is paint, which the scene may not have."""
 
 _OF_CONTENT = 0.5
-"""Weight of the quarters of a picture's tones, and of the lightness of its thirds: a black helmet and a white wall are in
-them, too."""
+"""Weight of claims on quartiles of tones and on the lightness of thirds, which depend on black and white objects, too."""
 _BLACK, _WHITE = 12.0, 80.0
-"""L* that looks black, and white: a picture with a black helmet in it asks no scene for more than that, which would only
-press its shadows."""
+"""L* that looks black, and white. A reference image with a black object in it asks for no darker black point, which would
+only darken the shadows of a scene without such an object."""
 
 _TONES = ("black_point", "lower_quartile", "median", "upper_quartile", "white_point")
 _CASTS = {"shadow_cast": "shadows", "midtone_cast": "midtones", "highlight_cast": "lights"}
-_VIGNETTE = 8.0  # L* by which every corner is darker before it is called a vignette
-_VEILED, _DARKEST = 35.0, 20.0  # percent of light over everything, and L* of the darkest, of haze
-_SIDED = 8.0  # L* between two sides of a subject from where light comes from one of them
+_VIGNETTE = 8.0  # least L* by which every corner is darker in a vignette
+_VEILED, _DARKEST = 35.0, 20.0  # of haze: least percent of white over everything, least L* of the black point
+_SIDED = 8.0  # least difference in L* of two sides of a subject that is lit from one of them
 _THIRDS = {place: (0.0, n / 3, 1.0, (n + 1) / 3) for n, place in enumerate(_WORDS)}
 
 
 def statements_of(regions: PictureRegions) -> list[Statement]:
-    """Statements on a picture."""
+    """Statements on an image of another scene."""
     reader = _Reader(regions)
     return [*reader.grade(), *reader.light(), *reader.palette(), *reader.air()]
 
@@ -173,14 +180,14 @@ class _Reader:
         (most,) = self._value("vividest", "picture")
         reason = f"its most vivid colors have a chroma of {most:.0f}"
         said = self._near("grade", "no gaudy colors", "vividest", "picture", LOOSE, reason)
-        yield _with(said, lower=(-math.inf,), change=0.0)  # paint that is more vivid may stay
+        yield _with(said, lower=(-math.inf,), change=0.0)  # more vivid colors that the scene has may stay
         (fall,) = self._value("vignette", "picture")
         if min(corner_falls(self.picture), default=0.0) > _VIGNETTE:
             reason = f"its corners are L* {fall:.0f} darker than its middle"
             yield self._near("grade", "vignette", "vignette", "picture", LOOSE, reason)
 
     def light(self) -> Iterator[Statement]:
-        """The light on a subject, and its contrast with the ground; nothing where none can be told."""
+        """The light on a subject, and its contrast with the ground; nothing without a clear subject."""
         if not self.regions.subject:
             return
         (range_,) = self._value("spread", "subject")
@@ -199,7 +206,7 @@ class _Reader:
         yield self._near("light", word, "standing_out", "subject", LOOSE, reason)
 
     def palette(self) -> Iterator[Statement]:
-        """The colors of the regions that can be told, else of the upper, middle and lower third."""
+        """The colors of subject, surroundings and sky; without a clear subject, of the upper, middle and lower third."""
         if not self.regions.subject:
             for place, box in _THIRDS.items():
                 yield from self._colors("picture", f"{place} third", box)
@@ -210,17 +217,18 @@ class _Reader:
             yield from self._colors("sky", "sky")
 
     def air(self) -> Iterator[Statement]:
-        """Haze, where light lies over everything."""
+        """Haze, if nothing in the image is dark or pure in color."""
         (veil,) = self._value("veil", "picture")
         if veil > _VEILED and self._value("black_point", "picture")[0] > _DARKEST:
             reason = f"nothing in it is dark or pure in color: at least {veil:.0f} % of white lies over it"
             yield self._near("air", "haze", "veil", "picture", LOOSE, reason)
 
     def _colors(self, part: Part, what: str, box: Values = ()) -> Iterator[Statement]:
-        """Lightness and cast of a part; nothing where it is hardly there.
+        """Lightness and cast of a part; nothing if it has too few pixels.
 
-        A subject's color may be paint: only the cast of the whole picture is to fall on ours, whose own paint may stay. What a
-        third has beyond that cast may be paint as well: ours may have it, and need not.
+        The color of the reference's subject may be paint. So the render's subject is to have the cast of the whole reference,
+        and may keep its own paint. The color of a third may be paint, too: the cast of the render's third may lie anywhere
+        from that of the whole reference to that of the same third.
         """
         if self.regions.region(part, box) is None:
             return
@@ -248,11 +256,11 @@ class _Reader:
     def _near(
         self, trait: str, word: str, measure: str, part: Part, steps: float, reason: str, box: Values = ()
     ) -> Statement:
-        """That a measure is what this picture has, within so many noticeable steps."""
+        """The statement that a measure has the value of the reference image, within a number of noticeable steps."""
         value, notice = self._value(measure, part, box), MEASURES[measure].notice
         reach = steps * notice / math.sqrt(len(value))
         if MEASURES[measure].unit == "a*b*":
-            # How far colors deviate from the cast, each as much as it counts for that
+            # Spread of the colors around the cast, with the weights by which the cast is measured
             where = self.regions.region(part, box)
             lab = self.picture.lab[self.regions.counts if where is None else where]
             tints, weights = lab[:, 1:], grayness(lab)
@@ -267,7 +275,7 @@ def _with(statement: Statement, **changes: Any) -> Statement:
 
 
 def _of_content(statement: Statement) -> Statement:
-    """A statement about tones, as far as it tells light and grade, and not that there are black and white things."""
+    """A statement on tones, relaxed so that black and white objects of the reference need not be in the scene."""
     measure, lower, upper = statement.claim.measure, statement.claim.lower, statement.claim.upper
     if measure == "black_point":
         return _with(statement, upper=(max(*upper, _BLACK),))

@@ -40,20 +40,20 @@ from .described import (
 )
 from .levels import GRAY
 
-_BLACK = 1e-7  # luminance of a sky that is as dark as can be
+_BLACK = 1e-7  # least luminance of a sky
 
 _STYLED = {
     "source": ("style", "film", "mood", "place"),
     "style": ("mood", "place"),
     "time": ("style", "film"),
 }
-"""Kind of a setup -> kinds whose darkness and development it takes on: strip lights in a black studio."""
-_LIT = (*LIGHTS, "ambience")  # kinds of things whose colors are gels where a rig stands
+"""Kind of a setup -> kinds of other setups whose darkness and grade it takes over: strip lights in a black studio."""
+_LIT = (*LIGHTS, "ambience")  # kinds of things whose color words color the rig's lights, as gels do
 _OF_LIGHT = (*_LIT, "tone", "whole", "shadow")
-_NEON = "neon "  # what names of colors begin with that are colors of signs where a rig has signs
+_NEON = "neon "  # start of the names of colors that are colors of signs, if the rig has signs
 _PARTS = {"rim": EDGES, "fill": FILLS, "key": ("key",)}  # role of a light in words -> parts of a rig
-_COLORED = ("key", "accent", "rim")  # they take the colors of no light in particular, in their order
-_DARKER, _DIMMER = "darker surface", 1.3  # the entry of what is only to be darker, and by how many stops
+_COLORED = ("key", "accent", "rim")  # parts that take, in this order, colors that are for no particular light
+_DARKER, _DIMMER = "darker surface", 1.3  # entry of surroundings that are only darker, and by how many stops
 _DARK_WORDS = (_DARKER, "dark surface", "black surface", "dark surroundings", "dark")
 _HUED = 14.0  # C* from which a dark color is not black: "dark burgundy"
 _DARK, _BLACK_WORLD, _BLACK_SKY, _BLACK_OWN = 20.0, -6.5, -6.5, -10.0
@@ -64,7 +64,7 @@ _PRACTICAL = "practical lamp"  # the rig of a lamp in the picture
 
 
 Asked = tuple[tuple[str, ...], tuple[str, ...]]
-"""Parts of a rig, and aspects of their light: "direction", "color", "contrast", "rim", "rest". None stand for all."""
+"""Parts of a rig, and aspects of their light: "direction", "color", "contrast", "rim", "rest". () stands for all."""
 _ALL: Asked = ((), ())
 
 
@@ -73,26 +73,24 @@ class ChosenRig:
     """The rig of a prompt."""
 
     rig: Rig  # with the changes that modifiers make to it
-    # words of the prompt that it shows, each with the parts of the rig and the aspects of their light that the word
-    # asks for; no aspects for all of them
-    words: Mapping[str, Asked]
-    served: tuple[Attribute, ...]  # the attributes that it takes the place of
-    anew: bool = False  # whether lights that the scene has play no part in it
+    words: Mapping[str, Asked]  # word of the prompt that the rig shows -> what the word asks of the rig
+    served: tuple[Attribute, ...]  # the attributes that the rig fulfills; they have no other effect
+    anew: bool = False  # whether the scene's own lights play no part in it
 
 
 def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary, anew: bool = False) -> ChosenRig | None:
-    """The rig that a prompt asks for; None where no word stands for a setup, and each acts on the lights that are there.
+    """The rig that a prompt asks for; None if it asks for none, so that each word acts on the scene's own lights.
 
-    With `anew`, lights that the prompt names are others than those of the scene: "and a rim light".
+    With `anew`, a light that the prompt names is a further one, though the scene has such a light: "and a rim light".
     """
-    # words that tell glowing things apart by their names act on these alone
+    # words that name different glowing objects act on these alone
     attributes = [a for a in goals.parsed.attributes if a.entry]
     apart = len({a.lights for a in attributes if a.of_glows}) > 1
     said = [a for a in attributes if not ((apart and a.of_glows) or (a.cause and a in goals.overruled))]
     lights = described(said, table)
     of_lights = [a for light in lights for a in light.said]
     heads = [source_of(light.said, table) for light in lights if light.part == "key"]
-    # of "overcast daylight, purple rim" the weather is still the setup
+    # in "overcast daylight, purple rim" the weather is still the setup
     lamps_or_turns = [a for a in of_lights if table.is_a_light(a.entry, a.word) or a.entry in table.modifiers]
     setups = _setups([a for a in said if a not in lamps_or_turns or a in heads], table)
     gels = _gels([a for a in said if a not in of_lights], setups, table)
@@ -138,7 +136,7 @@ def sky_color_of(said: Sequence[Attribute]) -> Values | None:
 
 
 def _under_named_sky(rig: Rig, said: Sequence[Attribute]) -> Rig:
-    """A rig that shows the sky in the very color that words give it."""
+    """A rig whose sky, if it has one, is shown in exactly the color that words give it."""
     color = sky_color_of(said)
     if rig.sky is None or color is None:
         return rig
@@ -153,7 +151,7 @@ def _first(
     parts: set[str],
     table: RigTable,
 ) -> Rig:
-    """The rig that words begin with; lights that are only added, for such parts, leave the scene's own light as it is."""
+    """The rig that words then change; if they only add lights for some `parts`, the scene's own light stays as it is."""
     if setups:
         return table.rigs[setups[0].entry]
     if len(gels) > 1:
@@ -175,10 +173,10 @@ class _Build:
         self.served: list[Attribute] = []
         self._colored = 0
         self._in_a_mood = False
-        self._turned: set[tuple[str, ...]] = set()  # parts whose side a word has said
+        self._turned: set[tuple[str, ...]] = set()  # groups of parts that a word has given a direction
 
     def take_setup(self, attribute: Attribute) -> None:
-        """Takes a word that stands for a setup: the first one is the rig, others join it."""
+        """Applies a word that stands for a setup: the first setup is the rig already, others are combined with it."""
         other = self.table.rigs[attribute.entry]
         self.served.append(attribute)
         if other.name == self.first.name:
@@ -209,7 +207,7 @@ class _Build:
         return not attribute.cause and hour and named and suns and same_sky
 
     def describe(self, lights: Sequence[DescribedLight]) -> None:
-        """Gives the rig the lights that words describe one by one; beside several, a source has no others of its own."""
+        """Gives the rig the lights that words describe one by one; if these are several, a source loses its other lights."""
         if len(lights) > 1 and (self.first.kind == "source" or self.first.name == "back light"):
             parts = {"key", *(light.part for light in lights)}
             self.rig = replace(self.rig, lights=tuple(x for x in self.rig.lights if x.part in parts))
@@ -226,13 +224,16 @@ class _Build:
                 self._take_described(attribute, light.part)
 
     def _in_its_part(self, light: DescribedLight) -> DescribedLight:
-        """A light whose use words do not say, as that of the rig which has its name: the lamps of a night, not its moon."""
+        """A described light; without a named role it gets the part of the rig's light that has its name.
+
+        A lamp in a rig for the night becomes that rig's lamp, not its moon.
+        """
         nouns = {singular(word) for a in light.said for word in a.thing.split()}
         named = (x.part for x in self.rig.lights if nouns & x.names)
         return replace(light, part=next(named, light.part)) if light.part in FREE else light
 
     def _take_described(self, attribute: Attribute, part: str) -> None:
-        """Notes a word of a described light, with what it asks for; of the key also the contrast and the exposure."""
+        """Records a word of a described light; a word about the key also changes the rig's contrast and exposure."""
         modifier = self.table.modifier(attribute.entry)
         if attribute in self.served:
             return
@@ -247,37 +248,37 @@ class _Build:
             self._take(attribute, (part,), ("rim", "color"))
 
     def add(self, attribute: Attribute) -> None:
-        """Adds the lights of a rig that only adds, or takes such lights away."""
+        """Adds the lights of a word's rig, "rim light", or removes such lights if the word is negated."""
         parts, added = self.table.parts(attribute.entry), self.table.rigs[attribute.entry].lights
         rest = tuple(light for light in self.rig.lights if light.part not in parts)
         self.rig = replace(self.rig, lights=rest if attribute.negated else (*rest, *added))
         self._take(attribute, parts, ("rim", "color"))
 
     def light_up(self, lamp: Attribute, said: Sequence[Attribute]) -> None:
-        """Adds the light of a lamp of the picture that burns, in the color that words give its glow."""
+        """Adds the light of a lamp in the image that is on, in the color that words give the lamp."""
         light = replace(self.table.rigs[_PRACTICAL].lights[0], worn=frozenset(lamp.owners))
         color = next((a for a in said if a.color and not a.negated and a.owners == lamp.owners), None)
         if color and not is_dark(color):
             light = replace(light, color=tint_of(color, self.vocabulary), kelvin=0.0)
-        # it stands for the rig's own lamp, and beside others that the prompt names
+        # it replaces the rig's own lamp, but no other lamp that the prompt names
         others = (x for x in self.rig.lights if x.worn or x.part != light.part)
         self.rig = replace(self.rig, lights=(*others, light))
 
     def may_modify(self, attribute: Attribute) -> bool:
-        """True if a word changes lights of the rig; where the scene stays lit as it is, only those that the rig adds."""
+        """True if a word changes lights of the rig; if the scene's own light stays, only a word about lights that are added."""
         of_added = any(light.part in _PARTS.get(attribute.role, ()) for light in self.rig.lights)
         of_rig = of_added or not self.first.keeps_own_light
         of_light = attribute.kind in _OF_LIGHT or bool(attribute.role)
         return of_light and of_rig and not attribute.owners and bool(self.table.modifier(attribute.entry))
 
     def modify(self, attribute: Attribute, parts: Sequence[str]) -> None:
-        """Changes the lights that a modifier is said of."""
+        """Changes the lights of some parts, and the rig's contrast and exposure, by the modifier of a word."""
         modifier = self.table.modifier(attribute.entry) or Modifier()
         modifier = modifier.reversed() if attribute.negated else modifier
         if modifier.azimuth is not None:
             if attribute.kind == "shadow":  # a shadow to the left is light from the right
                 modifier = replace(modifier, azimuth=-modifier.azimuth)
-            if tuple(parts) in self._turned:  # what is said first counts
+            if tuple(parts) in self._turned:  # the first direction counts
                 modifier = replace(modifier, azimuth=None, elevation=None)
             self._turned.add(tuple(parts))
         of_a_light = modifier != Modifier(exposure=modifier.exposure, contrast=modifier.contrast)
@@ -289,7 +290,7 @@ class _Build:
         self._take(attribute, tuple(parts), modifier.aspects)
 
     def darken(self, attribute: Attribute) -> None:
-        """Leaves all but the subject in the dark, or takes light from it where it is only to be darker."""
+        """Makes everything but the subject black, or only darker if the word asks for no more."""
         world, sky, own = _BLACK_WORLD, _BLACK_SKY, _BLACK_OWN
         if attribute.entry == _DARKER:
             now = (-2.0 if v is None else v for v in (self.rig.world, self.rig.sky))
@@ -300,7 +301,7 @@ class _Build:
         self._take(attribute, ("key",), ("rest",))
 
     def color(self, gel: Attribute, parts: Sequence[str]) -> None:
-        """Gives a color to the lights of some parts; without parts, to the next light that has none of the prompt's."""
+        """Gives a color to the lights of some parts; without parts, to the next part of `_COLORED`."""
         if not parts:
             parts = _COLORED[min(self._colored, 2) :][:1]
             self._colored += 1
@@ -313,7 +314,7 @@ class _Build:
         self._take(gel, tuple(parts), ("color",))
 
     def _with_parts(self, parts: Sequence[str]) -> tuple[RigLight, ...]:
-        """The rig's lights, with one of the first part where it has none of them: opposite to the key."""
+        """The rig's lights; if it has none of some parts, with a new light of the first part, opposite to the key."""
         lights = self.rig.lights
         if not lights or any(light.part in parts for light in lights):
             return lights
@@ -330,7 +331,7 @@ class _Build:
 
 
 def _lit_lamps(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
-    """The words that make a lamp of the picture burn, one for each: "the table lamp glows amber"."""
+    """The words by which lamps in the image are on, one for each lamp: "the table lamp glows amber"."""
     names = table.rigs[_PRACTICAL].lights[0].names
     burn = (a for a in said if a.entry == GLOWING and a.owners and not a.negated)
     return list({a.owners: a for a in burn if names & {singular(word) for word in a.thing.split()}}.values())
@@ -345,24 +346,27 @@ def _tinted(light: RigLight, color: str, by_mood: bool) -> RigLight:
 
 
 def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
-    """The words that stand for setups, the one that counts first; "backlit" only changes another setup."""
+    """The words that stand for setups, the most important first.
+
+    A word that can also change a setup, such as "backlit", counts only if there is no other.
+    """
     graded = {a.word for a in said if a.grades}
     every = [a for a in said if a.entry in table.rigs and not (a.negated or a.color or a.grades)]
     every = [a for a in every if not (table.rigs[a.entry].adds or a.cause in graded)]
-    # what is said before what a mood stands for; of that by the rig's kind
+    # words of the prompt come before those that a mood stands for; then the kind of the rig decides
     every.sort(key=lambda a: (bool(a.cause), KINDS.index(table.rigs[a.entry].kind)))
     return [a for a in every if a.entry not in table.modifiers] or every[:1]
 
 
 def _adds(attribute: Attribute, table: RigTable, vocabulary: Vocabulary, anew: bool) -> bool:
-    """True if a word asks for a further light: one that only a rig has, as "background light", or any with `anew`."""
+    """True if a word asks for a further light: any with `anew`, else one that only rigs know, as "background light"."""
     entry = vocabulary.entries.get(attribute.entry)
     is_said = not (attribute.negated or attribute.cause)
     return is_said and bool(table.parts(attribute.entry)) and (anew or not (entry and entry.wishes))
 
 
 def _gels(said: Sequence[Attribute], setups: Sequence[Attribute], table: RigTable) -> list[Attribute]:
-    """The colors that are colors of light: those said of light, and those of signs, where the rig has signs."""
+    """The color words for light: those about lights, and those of neon signs, if the rig has signs."""
     colors = [a for a in said if a.color and not (a.negated or a.cause or is_dark(a))]
     signs = any(light.color for a in setups for light in table.rigs[a.entry].lights)
     neon = {a.thing for a in said if a.color and a.entry.startswith(_NEON) and signs}
@@ -371,7 +375,7 @@ def _gels(said: Sequence[Attribute], setups: Sequence[Attribute], table: RigTabl
 
 
 def _darkens_the_rest(attribute: Attribute, said: Sequence[Attribute], vocabulary: Vocabulary) -> bool:
-    """True if a word leaves all in the dark but what is lit: "everything else falls into black"."""
+    """True if a word makes everything dark that the rig does not light: "everything else falls into black"."""
     others = attribute.thing in vocabulary.lists["others"]
     around = others or attribute.kind in ("surroundings", "sky")
     if attribute.negated or not around or (attribute.owners and not others):

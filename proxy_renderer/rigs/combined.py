@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Setups of light that a prompt names together, as one: an hour, a style or a mood over another setup."""
+"""Combines setups of light that a prompt names together: a source, an hour, a style or a mood with another setup."""
 
 from dataclasses import replace
 
@@ -9,8 +9,8 @@ from .described import EDGES
 
 _SECOND = -1.0  # stops of another setup's key against the first one's
 _DARK_STYLE = -2.0  # stops of a world or a sky below which a style is dark
-_DIMMED = 0.6  # stops that an hour may darken a setup of another kind
-_MOOD, _MOST = 0.6, 0.8  # how much of a mood's sky, fill and exposure an hour takes on, and most stops
+_DIMMED = 0.6  # most stops by which an hour or a style lowers the exposure of a setup
+_MOOD, _MOST = 0.6, 0.8  # share of a mood's sky, fill and exposure that an hour takes over; most stops
 
 
 def with_source(rig: Rig, other: Rig) -> Rig:
@@ -26,7 +26,7 @@ def with_source(rig: Rig, other: Rig) -> Rig:
 
 
 def at_an_hour(rig: Rig, hour: Rig) -> Rig:
-    """A setup under the sky of an hour or a weather, of several the darkest; suns have their color at that hour."""
+    """A setup under the sky of an hour or a weather; of several hours, the darkest sky stays. Suns get the hour's color."""
     if rig.under_sky and rig.sky is not None and (hour.sky is None or hour.sky > rig.sky):
         return rig
     sun = next((light for light in hour.lights[:1] if light.type == "SUN"), None)
@@ -46,7 +46,10 @@ def at_an_hour(rig: Rig, hour: Rig) -> Rig:
 
 
 def in_a_style(rig: Rig, style: Rig) -> Rig:
-    """A setup as dark as a dark style, and developed as it is; nothing is darker where a sun shines or an hour has its sky."""
+    """A setup with a style's grade, and at most its exposure; also as dark around the subject as a dark style.
+
+    Sky and world stay as they are if the setup's key is a sun, or its sky is that of an hour.
+    """
     has_own_sky = rig.under_sky or any(light.type == "SUN" for light in rig.lights[:1])
     darker = {
         name: theirs if mine is None else min(mine, theirs)

@@ -19,17 +19,20 @@ _TEMPLATES = {
     "rim": "rim light", "kicker": "kicker light", "fill": "fill light", "bounce": "bounce light",
     "background": "background light",
 }  # fmt: skip
-"""Part -> the rig that adds one."""
-BEHIND = 120.0  # degrees from the camera from which a light draws an edge, and what the camera sees is in the shade
-_FRONT, _EDGE = 20.0, 128.0  # an edge that is said to be on a side stands there, behind the subject
-_OPPOSITE = 100.0  # degrees of azimuth from the key at which a light stands that says nothing of its place
-_SOFTER, _OF_FREE = 1.6, -0.5  # how much "faint" takes of others than the key; stops of a second light
+"""Part -> the rig that adds a light of that part."""
+# azimuth from the camera, in degrees, beyond which a light draws edges and leaves the visible side dark
+BEHIND = 120.0
+# degrees: an edge light at an azimuth between these moves to the latter, behind the subject
+_FRONT, _EDGE = 20.0, 128.0
+_OPPOSITE = 100.0  # azimuth, in degrees, of a light without a named place, on the side opposite to the key
+# factor on the stops of "faint" for lights but the key; stops of a second free light
+_SOFTER, _OF_FREE = 1.6, -0.5
 _WIDEST = {"SUN": 45.0, "AREA": 5.0, "SPOT": 1.0, "POINT": 0.6}
 
 
 @dataclass(frozen=True)
 class DescribedLight:
-    """A light that words describe: its part in the rig, the words, and the light of the scene that they name, or ""."""
+    """A light that words describe: its part in the rig, the words, and the scene's light that they name, or ""."""
 
     part: str
     said: tuple[Attribute, ...]
@@ -37,7 +40,7 @@ class DescribedLight:
 
 
 def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight]:
-    """The lights of a prompt of which it says more than that they are there."""
+    """The lights that a prompt describes, and does not only mention."""
     groups: dict[int, list[Attribute]] = {}
     for attribute in said:
         elsewhere = attribute.owners or attribute.cause or attribute.of_glows or is_dark(attribute)
@@ -53,7 +56,7 @@ def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight
             free = (p for p in _parts_for(words, table, len(groups)) if p not in taken)
             if part := next(free, ""):
                 found.append(DescribedLight(part, tuple(words), own))
-    # Of an edge and a fill without a key the edge is the key, and so is a sun behind the subject: "golden hour backlight"
+    # Without a key, an edge light is the key if there is a fill, or if it is a sun: "golden hour backlight".
     parts = {light.part for light in found}
     edge = next((light for light in found if light.part in EDGES), None)
     if "key" in parts or edge is None or (parts.isdisjoint(FILLS) and not _names_a_sun(edge.said, table)):
@@ -68,7 +71,7 @@ def _names_a_sun(words: Sequence[Attribute], table: RigTable) -> bool:
 
 
 def _merged(groups: Mapping[int, list[Attribute]], table: RigTable) -> dict[int, list[Attribute]]:
-    """The groups, those that name the same source as one: "full moon ... cold moonlight from behind"."""
+    """The groups of words by light; groups that name the same source become one: "full moon ... cold moonlight"."""
     found: dict[int, list[Attribute]] = {}
     of_source: dict[str, int] = {}
     for number, words in groups.items():
@@ -80,7 +83,10 @@ def _merged(groups: Mapping[int, list[Attribute]], table: RigTable) -> dict[int,
 
 
 def _tells(words: Sequence[Attribute], table: RigTable, lights: int) -> bool:
-    """True if words single a light out: by what it is for, where it comes from or what burns there; by its color beside others."""
+    """True if words single a light out: by two sources, a direction or a light of the scene.
+
+    If there are several `lights`, one source, a role, a color or a color temperature is enough.
+    """
     said = [a for a in words if not a.negated]
     sources = [a for a in said if _source(a, table)]
     if len(sources) > 1 or _places(said, table) or any(a.lights for a in said):
@@ -108,13 +114,13 @@ def _parts_for(words: Sequence[Attribute], table: RigTable, lights: int) -> tupl
 def composed(
     light: DescribedLight, lights: Sequence[RigLight], table: RigTable, vocabulary: Vocabulary
 ) -> RigLight:
-    """A light as words describe it, in the place of a rig's own light of that part, if its `lights` have one."""
+    """The light that words describe; it replaces the rig's own light of that part, if `lights` has one."""
     base, key = (next((x for x in lights if x.part == part), None) for part in (light.part, "key"))
     made = _placed(_template(light, base, key, table), light, table)
     if any((m := table.modifier(a.entry)) and m.kelvin and not a.negated for a in light.said):
         made = replace(made, color="")  # "cold backlight" where the rig has an orange one
     if light.own and base in table.plain.lights and source_of(light.said, table) is None:
-        made = replace(made, color="", kelvin=0.0)  # it keeps its own, unless a word gives it one
+        made = replace(made, color="", kelvin=0.0)  # it keeps its color, unless a word gives it one
     for attribute in light.said:
         modifier = table.modifier(attribute.entry)
         if attribute.negated:
@@ -134,28 +140,31 @@ def mirrored(light: DescribedLight, table: RigTable) -> bool:
 
 
 def tint_of(attribute: Attribute, vocabulary: Vocabulary) -> str:
-    """The color that a word gives a light, "#rrggbb": "slightly yellow" is nearer to white, "faint yellow" only weaker."""
+    """The color that a word gives a light, "#rrggbb": "slightly yellow" is nearer to white, but "faint yellow" is not."""
     assert attribute.color
     weaker = any("lamp" in vocabulary.adjectives.get(word, {}) for word in attribute.word.split())
-    # squared, as gels are purer than what their names show on paint
+    # squared, because gels are purer than paint of the same name
     white = 0.0 if weaker else 1.0 - min(attribute.strength, 1.0) ** 2
     return hex_from_srgb(mixed(attribute.color, (1.0, 1.0, 1.0), white))
 
 
 def limited(light: RigLight) -> RigLight:
-    """A light that is not larger than lights of its type are."""
+    """A light that is at most as large as lights of its type are."""
     return replace(light, size=min(light.size, max(_WIDEST[light.type], 1.0)))
 
 
 def source_of(words: Sequence[Attribute], table: RigTable) -> Attribute | None:
-    """The word that says what burns there, the last of several: a "tungsten spot" is a spot, and moonlight from a window the moon."""
+    """The word that names the source of a light; of several the last, and a window only if nothing else is named.
+
+    A "tungsten spot" is a spot, and moonlight from a window is the moon.
+    """
     sources = [(a, lamp) for a in words if (lamp := _source(a, table))]
     lamps = [a for a, lamp in sources if lamp.type == "SUN" or not lamp.through]
     return next(reversed(lamps or [a for a, _ in sources]), None)
 
 
 def _source(attribute: Attribute, table: RigTable) -> RigLight | None:
-    """The light that a word names: of "moon" the moon; None for words that name none, or a whole setup."""
+    """The rig light of the source that a word names: "moon"; None for words that name no source, or a whole setup."""
     named = table.is_a_light(attribute.entry, attribute.word) and not (attribute.color or attribute.negated)
     return table.rigs[attribute.entry].lights[0] if named else None
 
@@ -163,7 +172,10 @@ def _source(attribute: Attribute, table: RigTable) -> RigLight | None:
 def _template(
     light: DescribedLight, base: RigLight | None, key: RigLight | None, table: RigTable
 ) -> RigLight:
-    """A light before words say more of it: what burns there, else the rig's own, else a plain one of its part."""
+    """The light that words then change: that of the named source, else the rig's own of this part, else a plain one.
+
+    For a key, the rig's own comes first.
+    """
     plain = (table.rigs[_TEMPLATES[light.part]] if light.part in _TEMPLATES else table.plain).lights[0]
     stops = _OF_FREE if light.part in FREE[1:] else plain.stops
     made = replace(base, stops=max(base.stops, stops)) if base else replace(plain, stops=stops)
@@ -186,7 +198,10 @@ def _template(
 
 
 def _placed(made: RigLight, light: DescribedLight, table: RigTable) -> RigLight:
-    """A light where words say that it is: an edge behind the subject on that side, a fill of "the side" on the one that is dark."""
+    """A light at the place that words give it.
+
+    An edge light on a side stands there behind the subject, and a fill "from the side" stays on the dark side.
+    """
     azimuth, elevation = _direction(light.said, table)
     if light.part in FILLS and azimuth == table.modifiers["side light"].azimuth:
         azimuth = None
@@ -198,13 +213,16 @@ def _placed(made: RigLight, light: DescribedLight, table: RigTable) -> RigLight:
 
 
 def _places(said: Iterable[Attribute], table: RigTable) -> list[tuple[str, Modifier]]:
-    """The directions that words give a light, with their entries."""
+    """Entries and modifiers of the words that give a light a direction."""
     found = [(a.entry, table.modifier(a.entry)) for a in said if not (a.negated or a.color)]
     return [(entry, m) for entry, m in found if m and "direction" in m.aspects]
 
 
 def _direction(said: Iterable[Attribute], table: RigTable) -> tuple[float | None, float | None]:
-    """Azimuth and elevation that words give a light, degrees, or None; "back left" is half way, and a mere "side" gives way."""
+    """Azimuth and elevation that words give a light, in degrees, or None for each.
+
+    "back left" is the mean of both directions, and "side" counts only without another one.
+    """
     places = _places(said, table)
     turns = {entry: m.azimuth for entry, m in places if m.azimuth is not None}
     if len(turns) > 1:
@@ -216,7 +234,7 @@ def _direction(said: Iterable[Attribute], table: RigTable) -> tuple[float | None
 
 
 def _brighter(said: Iterable[Attribute], table: RigTable, vocabulary: Vocabulary) -> float:
-    """Stops that words such as "faint" and "strong" give a light, wherever they stand: in "dim cyan" too."""
+    """Stops that words such as "faint" and "strong" add to a light, also inside another look word: "dim cyan"."""
     entries: dict[str, None] = {}
     for attribute in said:
         rows = [vocabulary.adjectives.get(word, {}) for word in attribute.word.split()]

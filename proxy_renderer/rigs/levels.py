@@ -22,17 +22,17 @@ from ..words.lexicon.rigs import Rig
 from .places import Placed
 from .stage import LightStage, Points
 
-WHITE = 0.8  # the most luminance, on the display, that a surface is lit to
-_STEPS, _STEP = 48, 0.7  # of the search for the light of a color
-_LEAST_CHANNEL, _MOST_CHANNEL = 1e-4, 0.97  # of a channel on the display
-_PUREST = 0.08  # least channel of a light, of its greatest: no view shows purer colors
+WHITE = 0.8  # greatest luminance, on the display, to which a surface is lit
+_STEPS, _STEP = 48, 0.7  # number of steps, and their exponent, of the search for the light that shows a color
+_LEAST_CHANNEL, _MOST_CHANNEL = 1e-4, 0.97  # range of a channel on the display
+_PUREST = 0.08  # least channel of a light, as a share of its greatest: no view shows purer colors
 _BRIGHTEST = 16.0
 _LEAST_GAIN = 1e-3
-_PALER, _NEAR = (0.0, 0.12, 0.24, 0.36, 0.48, 0.6), 0.03  # towards gray until a view shows it; near enough
+_PALER, _NEAR = (0.0, 0.12, 0.24, 0.36, 0.48, 0.6), 0.03  # shares of gray; error that is near enough
 
 
 class Exposing:
-    """The exposure of a scene: light that is displayed as it should be."""
+    """The inverse of a scene's exposure and view transform: the light for a color on the display."""
 
     def __init__(self, scene: SceneData) -> None:
         film = scene.film
@@ -63,17 +63,17 @@ class Exposing:
 
 GRAY = 0.18
 _LIT = 0.5  # share of the subject that counts as its lit side
-_EDGE = 0.12  # share of the subject that light from behind reaches, and of a background that is its hot spot
-_EDGE_SHARE = 0.2  # of an edge light's brightest light, what the whole of the subject may get of it at most
+_EDGE = 0.12  # share of the subject that an edge light reaches, and of the background that is its hot spot
+_EDGE_SHARE = 0.2  # greatest mean of an edge light on the whole subject, as a share of its brightest there
 _ALBEDOS = (0.05, 0.8)
-_KEPT_DARK, _KEPT_LIGHT = 0.42, 0.7  # of a darker, or lighter, subject's own lightness, in the exponent
+_KEPT_DARK, _KEPT_LIGHT = 0.42, 0.7  # exponents of the albedo in exposure; darker, lighter than gray
 _SKY_RAYS = 48
-_FILLS, _OF_FILLS = ("fill", "bounce", "top", "accent"), 0.5  # they light the lit side too, so much
-_WHITE = 0.7  # luminance on the display that the lights of a normally exposed picture have
-_LIGHTEST = 0.93  # share of what the camera sees that is darker than its lights
-_LEAST = 0.35  # what is left, at least, where much would bleach
-_THROWN_BACK = 0.75  # most of its light that a room throws back
-_FOLLOWS = 0.7  # how far they follow the rig's exposure
+_FILLS, _OF_FILLS = ("fill", "bounce", "top", "accent"), 0.5  # they light the lit side, too, by this share
+_WHITE = 0.7  # luminance on the display of the highlights in a normally exposed image
+_LIGHTEST = 0.93  # share of the visible points that are darker than the highlights
+_LEAST = 0.35  # least factor on lights that would overexpose the image
+_THROWN_BACK = 0.75  # greatest share of its light that a room reflects back
+_FOLLOWS = 0.7  # share of the rig's exposure that the highlights follow
 _BARELY = 1e-7
 
 
@@ -83,7 +83,7 @@ class Levels:
 
     factors: Mapping[str, float]  # light -> factor on its power in the trial values; 0 if it reaches nothing
     key: float  # irradiance of the key on the subject's lit side
-    world: float  # what a white world of strength 1 gives to the subject
+    world: float  # mean irradiance of the subject by a white world of strength 1
 
 
 def measured(
@@ -94,7 +94,10 @@ def measured(
     rig: Rig,
     ambient: float,
 ) -> Levels:
-    """The levels of a rig whose lights have trial values; `ambient` counts for rigs that leave the scene lit as it is."""
+    """The levels of a rig, by the light that its lights shed with trial `values`.
+
+    `ambient`, the radiance of the scene's own world, counts only for a rig that keeps the scene's own light.
+    """
     given = {key: torch.tensor(value) for key, value in values.items()}
     lamps = {lamp.light.name: lamp for lamp in light_sources(scene, RenderValues(scene, given, "cpu"))}
     places = stage.subject, stage.around
@@ -107,7 +110,7 @@ def measured(
     lit = exposing.gray(GRAY * 2.0**rig.exposure * (albedo / GRAY) ** kept)
     bounce = _bounce(stage, sheds[lights[0].name]) if lights else 0.0
     key = math.pi * lit / albedo / (_together(rig, lights) + bounce)
-    # The most light on the subject (0), and on what is around (1): behind a silhouette it may be bright
+    # Greatest radiance of the subject (0) and of its surroundings (1), which may be bright behind a silhouette
     behind = max([0.0, *(x.light.stops for x in lights if x.light.reach == "background")])
     exposures = rig.exposure, rig.exposure + behind
     whites = [exposing.gray(_WHITE * 2.0 ** (_FOLLOWS * exposure)) for exposure in exposures]
@@ -122,7 +125,7 @@ def measured(
         edge = each.light.part in ("rim", "kicker") or each.light.reach == "background"
         level = _brightest(around if each.light.reach == "background" else subject, _EDGE if edge else _LIT)
         factor = key * 2.0**each.light.stops / level if level > _BARELY else 0.0
-        if edge and each.light.reach != "background":  # on a box an edge light falls on a whole side
+        if edge and each.light.reach != "background":  # on a box, an edge light lights a whole side
             factor *= min(_EDGE_SHARE * level / max(float(subject.mean()), _BARELY), 1.0)
         spots = (
             _hot_spot(stage.subject, factor * subject, _LIT) if each.light.reach == "background" else 0.0,
@@ -130,7 +133,7 @@ def measured(
         )
         dimmer = (white / max(spot, _BARELY) for white, spot in zip(whites, spots, strict=True))
         factors[each.name] = factor * min(*dimmer, 1.0)
-    # all of them weaker where either would be bleached
+    # all of them weaker, if subject or surroundings would be overexposed
     world, weaker = 0.0 if rig.world is None else key * 2.0**rig.world, 1.0
     for n, points in enumerate((stage.subject, stage.around)):
         broad = [x for x in lights if not (n and x.light.reach == "background")]  # without hot spots
@@ -171,14 +174,14 @@ def _shed(lamp: LightSource, stage: LightStage, points: Points) -> Tensor:
 
 
 def _together(rig: Rig, lights: Sequence[Placed]) -> float:
-    """Light of all lights on the subject's lit side, against the key alone."""
+    """Light of all lights on the subject's lit side, as a multiple of the key's."""
     fills = (each.light.stops for each in lights[1:] if each.light.part in _FILLS)
     world = 0.0 if rig.world is None else 2.0**rig.world
     return 1.0 + world + _OF_FILLS * sum(2.0**stops for stops in fills)
 
 
 def _bounce(stage: LightStage, key: tuple[Tensor, ...]) -> float:
-    """Light of the key that the walls of a room throw back, against what its lit side gets: a box keeps light."""
+    """The key's light that the walls of a room reflect back, as a multiple of its light on the subject's lit side."""
     lit, every = _brightest(key[0], _LIT), torch.cat(key)
     if lit <= _BARELY or not len(every):
         return 0.0
@@ -188,7 +191,7 @@ def _bounce(stage: LightStage, key: tuple[Tensor, ...]) -> float:
 
 
 def _hot_spot(points: Points, light: Tensor, share: float = _LIGHTEST) -> float:
-    """Radiance below which a share of points lies."""
+    """Radiance below which a share of points lies; `light` (N,) is their irradiance."""
     return float(torch.quantile(points.albedo * light / math.pi, share)) if len(points) else 0.0
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lighting of a scene by a rig: added lights, a plan for all that sheds light, and what the picture has to show of it."""
+"""The lighting of a scene by a rig: added lights, a plan for everything that sheds light, and claims on the image."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -26,25 +26,28 @@ from .places import BRIGHTNESS, Placed, placed, shared_names
 from .shown import wishes_of_rig
 from .stage import LightStage
 
-OFF = 2e-3  # W per squared meter of distance: an added light before it is lit
+OFF = 2e-3  # W per squared meter of distance: power of an added light that is off
+# How far a search may go from the rig's values: factors, and degrees
 _DRIFT = {"power": 1.5, "strength": 1.5, "size": 1.25, "temperature": 1.06}
-_TURN = {"azimuth": 5.0, "elevation": 4.0}  # for a search from the rig: factors, and degrees
+_TURN = {"azimuth": 5.0, "elevation": 4.0}
 _ASPECTS = {"color": "color", "temperature": "color", "azimuth": "direction", "elevation": "direction"}
 """Parameter of a light -> the aspect of light that it gives."""
 _FIRST, _LATER = 1, 4  # priorities of brightness, and of what else a light has
 _POOL_MARGIN, _WIDEST = 1.5, 140.0
 _GLOWS, _OF_GLOWS = 0.15, 0.5
-"""Share of the key's light from which a surface that glows counts as a light, and how far it follows the scene's own lights."""
-_LAMPS = 0.7  # most light of what glows at night, against the key
-_FAINT = 0.02  # of what the world should give the subject: if it gives less at full strength, it is shut out
+"""Share of the key's light from which a glowing surface counts as a light; share of the stops by which it is then dimmed."""
+_LAMPS = 0.7  # greatest light of a glowing surface at night, as a share of the key's
+# least share of its wanted light on the subject; a world that gives less at full strength is shut out
+_FAINT = 0.02
 _FULL = 8.0  # the most strength of a world
-_HAZES, _VEIL = ("haze", "mist", "fog", "smoke"), 0.5  # air that is not clear; its sky towards gray
+# entries for air that is not clear; share of gray in its sky
+_HAZES, _VEIL = ("haze", "mist", "fog", "smoke"), 0.5
 _DARK_HAZE = 0.4
 """Albedo of haze at night. Thick haze is albedo / 4 as bright as a white surface in the same light: about L* 38."""
 _BARELY = 1e-7
 _SPREAD, _TOWARDS = 0.6, 0.35
-"""Stops by which a sky is darker at the top, and lighter at the horizon, and how far it goes to other colors there."""
-_GEL = 0.7  # share of the white in a color's name that a light of it lacks
+"""Stops by which a sky is darker at the top and lighter at the horizon, and the share of other colors there."""
+_GEL = 0.7  # share of a color's white, its least component, that a light of that color lacks
 _GRAY_SKY = "#808080"
 _NEUTRAL = 6500.0  # kelvins of white light
 
@@ -60,13 +63,13 @@ class Lighting:
 
 
 def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add: bool = True) -> Lighting:
-    """Sets a rig up in one or several shots, of which the first decides; `add` allows lights that the scene lacks."""
+    """Sets a rig up in one or several shots, by what the first sees; `add` allows lights that the scene lacks."""
     rig = chosen.rig
     first = scenes[0]
     stage = LightStage(first, geometry_of(first, torch.device("cpu")))
     lights = placed(rig.lights, stage, add, chosen.anew)
     scenes = [_with_cards(_with_lights(scene, lights, stage), lights) for scene in scenes]
-    # a world that the camera sees would become as bright as the fill that it gives
+    # without a backdrop, the camera would see the world as bright as its fill light needs it
     if (rig.sky, rig.world) != (None, None) and all(scene.may_have_backdrop for scene in scenes):
         scenes = [scene.with_backdrop() for scene in scenes]
     scene = scenes[0]
@@ -81,7 +84,7 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     playing |= burning.keys()
     values = _balanced(scene, rig, lights, playing, values, levels)
     values |= _sky(scene, rig, hazy) | _air(scene, rig, parsed, chosen.served)
-    for name, lamp in burning.items():  # in the color of the light that is added
+    for name, lamp in burning.items():  # the same color as that of the rig's light
         shape = {f"light/{name}/{key}": value for key, value in _shape(lamp, stage).items()}
         values |= {key: value for key, value in shape.items() if key in scene.instances}
     values = {key: value for key, value in values.items() if not scene.instances[key].locked}
@@ -103,7 +106,7 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
 
 
 def _with_lights(scene: SceneData, lights: Sequence[Placed], stage: LightStage) -> SceneData:
-    """A scene with the rig's lights that it lacks, which are off and stand where they will."""
+    """A scene with the rig's lights that it lacks, off, but at their places."""
     mine = {each.name: each for each in lights if not each.own}
     lit = scene.with_lights(mine)
     instances = dict(lit.instances)
@@ -119,7 +122,7 @@ def _with_lights(scene: SceneData, lights: Sequence[Placed], stage: LightStage) 
 
 
 def _with_cards(scene: SceneData, lights: Sequence[Placed]) -> SceneData:
-    """A scene with the cards that its added lights shine through, as Blender builds them."""
+    """A scene with the cards by which added lights cast patterns, as Blender builds them."""
     for each in lights:
         size = next((light.card for light in scene.lights if light.name == each.name), 0.0)
         if each.light.pattern and size and not each.own:
@@ -131,7 +134,7 @@ def _with_cards(scene: SceneData, lights: Sequence[Placed]) -> SceneData:
 
 
 def _shape(each: Placed, stage: LightStage) -> dict[str, Values]:
-    """Name of a parameter -> what a light has of it, its power apart."""
+    """Parameter name -> value of a rig's light, for all parameters but its power."""
     light = each.light
     found: dict[str, Values] = {}
     if light.color or light.kelvin or not each.own:
@@ -157,7 +160,7 @@ def _shape(each: Placed, stage: LightStage) -> dict[str, Values]:
 def _trial(
     scene: SceneData, lights: Sequence[Placed], stage: LightStage, world_color: str
 ) -> dict[str, Values]:
-    """Values of lights and world in which each sheds enough light to be measured."""
+    """Trial values of lights and world, by which the light of each can be measured."""
     values: dict[str, Values] = {}
     for each in lights:
         key = f"light/{each.name}/"
@@ -189,7 +192,7 @@ def _balanced(
     for each in lights:
         for key in (f"light/{each.name}/power", f"light/{each.name}/strength"):
             if key in out and each.own and not levels.factors[each.name]:
-                out[key] = scene.value(key)  # it reaches nothing that is measured, but it burns
+                out[key] = scene.value(key)  # it reaches no measured point, but it stays on
             elif key in out:
                 out[key] = (out[key][0] * levels.factors[each.name],)
     if rig.world is not None and "world/strength" in scene.instances:
@@ -204,7 +207,7 @@ def _balanced(
 
 
 def _world_luminance(scene: SceneData, values: Mapping[str, Values], part: str = "") -> float:
-    """Luminance of the world at strength 1, or of its backdrop ("backdrop_")."""
+    """Luminance of the world at strength 1, or of its backdrop, for a `part` of "backdrop_"."""
     key = f"world/{part}color"
     if key in scene.instances:
         return luminance(values.get(key, scene.value(key)))
@@ -238,7 +241,10 @@ def _sky(scene: SceneData, rig: Rig, hazy: bool) -> dict[str, Values]:
 
 
 def _ends_of_sky(rig: Rig, shown: Values, hazy: bool) -> tuple[Values, Values]:
-    """Colors displayed at the sky's top, and lighter at the horizon; a clear sky goes from its light's color to the sun's."""
+    """Display colors at the sky's top and at its horizon, which is lighter than the top.
+
+    The top of a clear sky is nearer to the color of the world's light, and its horizon to that of the key.
+    """
     clear = rig.sky_color and not hazy
     spread = _SPREAD * max(1.0 - luminance(shown), 0.0)
     ends = []
@@ -273,7 +279,7 @@ def _veiled(color: str) -> str:
 
 
 def _within(scene: SceneData, values: dict[str, Values]) -> dict[str, Values]:
-    """Values within what their parameters can have; without those that the scene lacks."""
+    """Values of parameters that the scene has, at most the parameters' upper bounds."""
     return {
         key: tuple(min(v, high) for v, high in zip(value, scene.instances[key].upper, strict=True))
         for key, value in values.items()
@@ -282,7 +288,7 @@ def _within(scene: SceneData, values: dict[str, Values]) -> dict[str, Values]:
 
 
 def _air(scene: SceneData, rig: Rig, parsed: Parsed, served: Sequence[Attribute]) -> dict[str, Values]:
-    """The air of a rig, where no word speaks of it; haze has the color of the named sky, and is dark at night."""
+    """Values for the air: the rig's density unless a word is about it; haze has the named sky's color, and is dark at night."""
     density, color = (scene.instances.get(f"volume/{name}") for name in ("density", "color"))
     said = any(a.slot == "atmosphere" and not a.cause and a not in served for a in parsed.attributes)
     found: dict[str, Values] = {}
@@ -304,7 +310,10 @@ def _air(scene: SceneData, rig: Rig, parsed: Parsed, served: Sequence[Attribute]
 
 
 def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict[str, Values]:
-    """The scene's own lights and glowing surfaces that play no part, dimmed; `white` is a white surface's radiance in the key."""
+    """Dimmed values of the scene's own lights and glowing surfaces that play no part in the rig.
+
+    `white` is the radiance of a white surface in the key's light.
+    """
     found: dict[str, Values] = {}
     if not rig.own:
         return found
@@ -319,7 +328,7 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
         own = scene.instances[key].value[0]
         tint = luminance(scene.value(color, (1.0, 1.0, 1.0)))
         shed = own * tint * luminance(glow.color) * glow.strength * glow.light
-        if rig.has_dark_sky:  # what glows is the lamps of the picture, which do not outshine the key
+        if rig.has_dark_sky:  # glowing surfaces are lamps then, and must not outshine the key
             if material not in subject and shed > _LAMPS * white:  # a lantern stays lit
                 found[key] = (own * _LAMPS * white / shed,)
         elif shed > _GLOWS * white:
@@ -328,9 +337,9 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
 
 
 def _burning(scene: SceneData, lights: Sequence[Placed]) -> dict[str, Placed]:
-    """The scene's own lights in lamps of the kind that the rig lights, with the rig's light: a street has several lamps.
+    """The scene's other lights that share a name with a light of the rig, each with that light: a street has several lamps.
 
-    A name that only says the type of a light, as "Spot", says nothing of a lamp.
+    A shared name that is only the type of the light, such as "Spot", does not count.
     """
     found: dict[str, Placed] = {}
     playing = {each.name for each in lights}
@@ -342,19 +351,20 @@ def _burning(scene: SceneData, lights: Sequence[Placed]) -> dict[str, Placed]:
 
 
 def _word_for(chosen: ChosenRig, part: str, name: str) -> str:
-    """The word that a parameter of a rig's part follows.
+    """The word that is the reason for a parameter's value in a part of the rig.
 
-    It is the word that asks for this aspect of the part, or else that adds it, or else the setup, or the first word about the part.
+    It is the word that asks for this aspect of the part, or else the one that adds the part, or else the setup, or else the
+    first word about the part.
     """
     of_part = {word: aspects for word, (parts, aspects) in chosen.words.items() if part in parts}
-    last = sorted(of_part, key=lambda word: "rim" in of_part[word])  # what adds the part
+    last = sorted(of_part, key=lambda word: "rim" in of_part[word])  # words that add the part
     asking = [word for aspect in (_ASPECTS.get(name), "rim") for word in last if aspect in of_part[word]]
     setups = (word for word, (parts, _) in chosen.words.items() if not parts)
     return next(iter([*asking, *setups, *of_part, *chosen.words]), "")
 
 
 def _of_own(scene: SceneData, lights: Sequence[Placed]) -> dict[str, PlanEntry]:
-    """Entries for the places of the scene's lights that play a part, but are no lamps: they stay, and variants turn them."""
+    """Entries for the angles of the scene's lights that play a part but hang in no lamp: they stay, but variants may vary."""
     free = [x.name for x in lights if x.own and not (x.fixed or x.light.worn)]
     instances = (scene.instances.get(f"light/{name}/{angle}") for name in free for angle in _TURN)
     return {
@@ -365,7 +375,10 @@ def _of_own(scene: SceneData, lights: Sequence[Placed]) -> dict[str, PlanEntry]:
 
 
 def _entry(instance: Instance, value: Values, word: str, still: set[str], any_side: bool) -> PlanEntry:
-    """The range around what the rig gives a parameter, from which the search begins; `any_side` lets variants turn the lights."""
+    """The range around the value that the rig gives a parameter; the search begins at that value.
+
+    With `any_side`, variants may turn the lights.
+    """
     name, reason = instance.parameter.name, f"'{word}'"
     turns = name in _TURN and instance.owner not in still
     if name in _DRIFT:

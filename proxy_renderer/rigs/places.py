@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Places of a rig's lights in a scene: its own lights first, then places from which added ones reach what they are to light.
+"""Places of a rig's lights in a scene: those of the scene's own lights, or places from which added lights reach their target.
 
 Candidates around the place that the rig names are tried with rays: what is in the way, how far the walls are, on which side the
 subject can be reached. A sun that comes in through a window is looked for over the whole sky.
@@ -27,19 +27,19 @@ _TURNS = (0.0, -14.0, 14.0, -28.0, 28.0, -45.0, 45.0)
 _RISES = (0.0, 12.0, -10.0, 24.0)
 _NEARER = (1.0, 0.75, 0.55, 0.4)
 _ASIDE, _OFF, _CLOSE, _OTHER_SIDE = 110.0, 80.0, 0.25, 0.03
-"""Degrees of azimuth and of elevation, share of the distance, and the other side: what each costs, in shares of the subject."""
-_SHOWN, _GLARE = 0.003, 0.2  # of the picture in which water or a polished floor shows a lamp, and its cost
-_ENOUGH = 0.04  # share of the light without anything in the way from which a place will do
-_LIKE, _AS_HIGH = 30.0, 20.0  # degrees within which a light of the scene stands where a rig wants one
+"""Costs of another place than the rig's: degrees of azimuth and of elevation that cost 1, no distance, and the other side."""
+_SHOWN, _GLARE = 0.003, 0.2  # least share of visible points that mirror a light in water or a floor; its cost
+_ENOUGH = 0.04  # least mean share of its light with which a light reaches its target
+_LIKE, _AS_HIGH = 30.0, 20.0  # degrees of azimuth and elevation by which a scene's light may differ
 _NEAR = 9.0  # radii from the subject within which a lamp of the scene lights it
-_AWAY = 1.15  # of an object's size: how far from its middle a bulb hangs
+_AWAY = 1.15  # distance of a bulb from the middle of its lamp, in half diagonals of the lamp
 _SKY_TURNS, _SKY_HEIGHTS = range(-180, 180, 12), (8.0, 14.0, 22.0, 32.0, 44.0, 60.0)
 _TOUCHED, _PATCHES, _PATCH = 0.03, (0.03, 0.5), 0.3
-"""Light on a surface that counts as sun, the share of the surroundings that a window lets it fall on, and what is enough."""
-_FROM_CAMERA = 50.0  # degrees within which a sun would stand behind the camera
-_OPEN = 0.4  # of what the sun could reach of the subject, from which it stands in the open
+"""Least light on a sunlit point; least and greatest sunlit share of the surroundings by a window; share that is enough."""
+_FROM_CAMERA = 50.0  # azimuth from the camera, in degrees, below which a sun stands behind the camera
+_OPEN = 0.4  # least share of the subject's sunlight that nothing blocks, for a sun in the open
 _AWAY_COST = 0.25
-_OUTDOORS = 0.78  # of the sky's light, from which on a place has no windows: a cut-away room has 0.75, a walled garden 0.8
+_OUTDOORS = 0.78  # openness from which a place has no windows: a cut-away room has 0.75, a walled garden 0.8
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Placed:
     light: RigLight
     name: str
     type: str
-    own: bool  # whether the scene has it, or else gets it
+    own: bool  # True for a light that the scene has, False for an added one
     azimuth: float  # with the elevation: degrees, as in `schema.orbit`
     elevation: float
     distance: float  # meters; 0 of a sun
@@ -59,14 +59,19 @@ class Placed:
 def placed(
     lights: Iterable[RigLight], stage: LightStage, add: bool = True, anew: bool = False
 ) -> list[Placed]:
-    """The lights of a rig that reach their targets, the key first; without `add`, the scene's own key plays its part anywhere.
+    """The lights of a rig in a scene, the key first, without those that reach nothing.
 
-    With `anew` all of them are added.
+    A rig's light is one of the scene's or an added one. If neither reaches the target, the scene's key plays the key, and a
+    light called "Rim" the rim, wherever they stand.
+
+    Args:
+        add: Whether lights may be added.
+        anew: Whether no light of the scene may be used.
     """
     found: list[Placed] = []
     turned, present = 1.0, {light.name for light in stage.scene.lights if anew}
     for light in lights:
-        # an accent beside the key would be a second key
+        # on the key's side, an accent would be a second key
         either = light.mirrored and not (found and light.part == "accent")
         wanted = replace(light, azimuth=turned * light.azimuth, mirrored=either)
         taken = present | {each.name for each in found}
@@ -77,7 +82,7 @@ def placed(
             mine = _as_it_stands(wanted, min(free, key=lambda x: x.role != "key"), stage) if free else None
         if mine is None:
             continue
-        if not found and light.mirrored and light.azimuth:  # the others stay on the other side of the key
+        if not found and light.mirrored and light.azimuth:  # the other lights change sides with the key
             side = _relative(mine.azimuth - stage.front)
             turned = math.copysign(1.0, side * light.azimuth) if abs(side) > 1.0 else 1.0
         found.append(mine)
@@ -85,7 +90,7 @@ def placed(
 
 
 def _own(light: RigLight, stage: LightStage, taken: set[str]) -> Placed | None:
-    """A light of the scene that can be this one: by its name, or by its type and where it stands."""
+    """A light of the scene that can be a rig's light, by its name, or by its type and where it stands."""
     free = _playable(stage, taken)
     if light.worn:  # the bulb in a lamp of the picture
         parts = [*stage.parts_of(light.worn)]
@@ -104,7 +109,7 @@ def _own(light: RigLight, stage: LightStage, taken: set[str]) -> Placed | None:
 
 
 def shared_names(light: RigLight, own: Light) -> set[str]:
-    """What a light of the scene and a rig's light are both called: "lamp" of a "Floor Lamp", where the rig has a lamp."""
+    """Words in the names of both a light of the scene and a rig's light: "lamp" of "Floor Lamp", if the rig has a lamp."""
     words = {word.removesuffix("s") for word in plain_name(own.name).split()}
     return words & {word.removesuffix("s") for word in light.names}
 
@@ -139,7 +144,7 @@ def _stands_for(light: Light, wanted: RigLight, stage: LightStage) -> bool:
 
 
 def _share(stage: LightStage, light: RigLight, candidate: Light) -> float:
-    """How much of a rig's light's target a light of the scene reaches, where it stands."""
+    """Mean share of its light with which a light of the scene, where it stands, reaches the target of a rig's light."""
     points = _targets(light, stage)
     if candidate.type == "SUN":
         azimuth, elevation = _angles(candidate, stage.scene)
@@ -151,7 +156,7 @@ def _share(stage: LightStage, light: RigLight, candidate: Light) -> float:
 
 
 def _added(light: RigLight, stage: LightStage, taken: set[str], others: Sequence[Placed]) -> Placed | None:
-    """A light that the scene gets: at a lamp where no other stands, through its windows, or where it reaches its target best."""
+    """An added light: at a lamp of the scene where none of the `others` stands, as a sun through its windows, or where it reaches its target best."""
     alone, used = not others, [(other.azimuth, other.elevation, other.distance) for other in others]
     at_lamp = next((place for place in _at_lamps(light, stage) if stage.orbit_of(place) not in used), None)
     if at_lamp is not None:
@@ -183,7 +188,7 @@ def _made(
 
 
 def _free_name(part: str, kind: str, stage: LightStage, taken: set[str]) -> str:
-    """The name of an added light for a part, or of another part's where a rig has two of it; "" if all are taken."""
+    """The name of an added light for a part; if taken, that of another part, of the same role first; "" if all are taken."""
     free = {light.name for light in stage.scene.standby.lights} - taken
     role = role_of(part)
     names = (light_name(each, kind) for each in (part, *sorted(PARTS, key=lambda p: role_of(p) != role)))
@@ -195,7 +200,7 @@ def _targets(light: RigLight, stage: LightStage) -> Points:
 
 
 def _best_place(light: RigLight, stage: LightStage) -> tuple[Tensor, float]:
-    """(3,) the place near the one that a rig names from which most of its target is reached, and the share that is."""
+    """The best place (3,) near the one that a rig names, and the mean share of light that reaches the target from there."""
     points = _targets(light, stage)
     best = (-math.inf, stage.place(light.azimuth, light.elevation, light.distance), 0.0)
     sides = (1.0, -1.0) if light.mirrored and light.azimuth else (1.0,)
@@ -214,10 +219,11 @@ def _best_place(light: RigLight, stage: LightStage) -> tuple[Tensor, float]:
 
 
 def _sun(light: RigLight, stage: LightStage) -> tuple[float, float] | None:
-    """Azimuth from the camera and elevation of a sun; None where none gets in.
+    """Azimuth from the camera and elevation of a sun, in degrees; None if no sun reaches the subject.
 
-    A sun that comes through a window is looked for over the whole sky, but not outdoors: it draws a patch where the camera sees it, falls on the
-    subject, and does not stand behind the camera. Others stand where the rig has them, unless something is in the way there.
+    A sun through a window is searched for over the whole sky, unless the scene is outdoors: it should draw a patch that the
+    camera sees, light the subject, and not stand behind the camera. Others stand where the rig has them, unless something
+    is in the way there.
     """
     everywhere = [(float(a), e) for a in _SKY_TURNS for e in _SKY_HEIGHTS]
     if light.through and stage.openness < _OUTDOORS:
@@ -237,7 +243,7 @@ def _sun(light: RigLight, stage: LightStage) -> tuple[float, float] | None:
 
 
 def _through_window(light: RigLight, stage: LightStage, azimuth: float, elevation: float) -> float:
-    """The score of a sun through a window: 0 where all is open, or nothing gets in."""
+    """The score of a sun through a window: 0 if it lights too much or too little, or stands behind the camera."""
     if abs(azimuth) < _FROM_CAMERA:
         return 0.0
     patch = float((stage.sunlit(stage.around, azimuth, elevation) > _TOUCHED).float().mean())
@@ -251,7 +257,7 @@ def _in_the_open(light: RigLight, stage: LightStage, azimuth: float, elevation: 
     toward = torch.tensor(orbit.direction(stage.front + azimuth, elevation), dtype=torch.float32)
     facing = float((stage.subject.normal * toward[:, None]).sum(0).clamp_min(0.0).mean())
     lit = float(stage.sunlit(stage.subject, azimuth, elevation).mean())
-    clear = lit / max(facing, 1e-3)  # of what could be lit: from behind that is little
+    clear = lit / max(facing, 1e-3)  # share of what could be lit, which is little from behind
     return lit * 0.5 + 0.5 * clear - _AWAY_COST * _away(light, azimuth, elevation) if clear > _OPEN else 0.0
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Wishes for what pictures show of a rig: the structure of its light, not averages of the image."""
+"""Wishes for the visible light of a rig: its structure, not averages of the image."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -15,18 +15,19 @@ from .chosen import ChosenRig
 from .places import Placed
 from .stage import LightStage
 
-_ASIDE, _BEHIND, _BEFORE = 0.6, -0.5, 0.85  # with the camera's axes: from a side, from behind, from it
-_SEEN = 0.2  # what a measure of direction has, at least, where the side of the light is seen
+# cosines with the camera's axes of light from a side, from behind, from the camera
+_ASIDE, _BEHIND, _BEFORE = 0.6, -0.5, 0.85
+_SEEN = 0.2  # least value of a measure of direction for which the side of the light is visible
 _RATIO = 0.45  # share of the stops between key and fill that is left on a subject with bounce and highlights
-_LARGE = 3.0  # stops from which key and fill are told apart
-_NIGHT = 40.0  # most mean L* of a picture under a dark sky: a white room that a lamp fills is no night
+_LARGE = 3.0  # stops between key and fill from which their ratio is claimed
+_NIGHT = 40.0  # greatest mean L* of an image under a dark sky: a white room full of light is no night
 _COLD = 7400.0
-_FURTHER = 2.0  # noticeable steps by which another rim shows beside what is light already
+_FURTHER = 2.0  # noticeable steps that a further rim adds to the light that is there
 _GRAYISH = 12.0  # C* from which a light has a color
 
 
 def wishes_of_rig(chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage) -> tuple[Wish, ...]:
-    """The wishes of words that a rig stands for: of each word what is to be seen of its parts of the rig."""
+    """The wishes of the words that a rig serves: for each word, claims on the light of its parts of the rig."""
     found: list[Wish] = []
     for word, (parts, aspects) in chosen.words.items():
         attribute = Attribute(word, "", "lighting", "whole", "light")
@@ -87,6 +88,6 @@ def _color(light: RigLight) -> Iterator[ClaimText]:
 
 
 def _accent(light: RigLight) -> Iterator[ClaimText]:
-    """That some of the picture has the color of a light."""
+    """The claim that some of the image has the color of a light; none for a nearly gray light."""
     if chroma(lab_from_srgb(srgb_from_hex(light.color))) > _GRAYISH:
         yield ClaimText("picture", "accent", (12.0,), change=12.0, color=light.color)

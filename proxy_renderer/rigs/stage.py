@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The stage: where the subject is, what the camera sees of it and of what is around, and what light from a place reaches."""
+"""The stage: points of the subject and its surroundings that the camera sees, and the light from a place that reaches them."""
 
 import itertools
 import math
@@ -22,13 +22,13 @@ from ..schema import orbit
 from ..words.names import plain_name
 
 _GRID = 40  # rays along each side of the picture
-_MOST = 400  # points of the subject, and of what is around, that light is looked for at
+_MOST = 400  # most points of the subject, and of its surroundings, at which light is measured
 _FEW = 8
 _WIDE = 0.85  # share of the subject's points within its radius
-_LEAST_RADIUS = 0.02  # of the distance of the camera
+_LEAST_RADIUS = 0.02  # of the subject, as a share of the camera's distance
 _SKY = tuple(itertools.product(range(-180, 180, 45), (14.0, 32.0, 60.0)))  # azimuths and elevations
-_LEVEL, _SMOOTH = 0.95, 0.25  # of a normal's height, and roughness below which a surface mirrors as water
-_PLAIN = 0.5  # albedo of what is not known
+_LEVEL, _SMOOTH = 0.95, 0.25  # least z of a level surface's normal, and roughness below which it mirrors
+_PLAIN = 0.5  # albedo of a surface whose color is unknown
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,8 @@ class Points:
     position: Tensor  # (3, N), world space, just above the surface
     normal: Tensor  # (3, N), towards the camera
     albedo: Tensor  # (N,), the mean of a texture
-    mirrored: Tensor  # (3, N), unit vectors to where the camera sees a mirror image of
-    polished: Tensor  # (N,) bool, level surfaces that show it, as water does
+    mirrored: Tensor  # (3, N), unit directions of the camera's rays after a reflection
+    polished: Tensor  # (N,) bool, level and smooth surfaces, which mirror as water does
 
     def __len__(self) -> int:
         return self.position.shape[1]
@@ -52,7 +52,7 @@ class LightStage:
         self.scene, self.geometry = scene, geometry
         self.pivot = torch.tensor(scene.pivot, dtype=torch.float32)
         points, mine = _seen(scene, geometry)
-        # what is seen of the subject, and of the rest; of everything, where hardly any of it is
+        # points of the subject, and of the rest; all points for one of these that has hardly any
         parts = (part if int(part.sum()) >= _FEW else torch.ones_like(part) for part in (mine, ~mine))
         self.subject, self.around = (_some(points, part) for part in parts)
         if len(self.subject):
@@ -85,13 +85,13 @@ class LightStage:
         return azimuth, max(min(elevation, 88.0), -88.0), max(math.dist(offset, (0, 0, 0)), 1e-3)
 
     def reached(self, points: Points, place: Tensor) -> Tensor:
-        """(N,) how much light from a place reaches points, by what is in the way and how they face it."""
+        """(N,) share of light from a place (3,) that reaches points: what nothing blocks, times the cosine at the surface."""
         offset = place[:, None] - points.position
         distance = offset.norm(dim=0).clamp_min(1e-6)
         return self._lit(points, offset / distance, distance)
 
     def mirrors(self, place: Tensor, size: float) -> float:
-        """The share of what the camera sees in which level surfaces mirror a light of a size (m) at a place (3,)."""
+        """Share of the visible points that mirror, for the camera, a light of a diameter (meters) at a place (3,)."""
         count, shown = 0, 0
         for points in (self.subject, self.around):
             offset = place[:, None] - points.position
@@ -102,13 +102,13 @@ class LightStage:
         return shown / max(count, 1)
 
     def sunlit(self, points: Points, azimuth: float, elevation: float) -> Tensor:
-        """(N,) the same of a sun, at an azimuth from the camera and an elevation."""
+        """(N,) as `reached`, of a sun at an azimuth from the camera and an elevation, in degrees."""
         toward = self._toward(azimuth, elevation)[:, None].expand_as(points.position).contiguous()
         return self._lit(points, toward, torch.full((len(points),), 1e30))
 
     @cached_property
     def openness(self) -> float:
-        """Share of the sky's light that gets to what the camera sees: 1 on a plain, 0 in a closed room."""
+        """Share of the sky's light that reaches the visible points: 1 on a plain, 0 in a closed room."""
         clear, all_of_it = 0.0, 0.0
         for points, (azimuth, elevation) in itertools.product((self.subject, self.around), _SKY):
             facing = (points.normal * self._toward(azimuth, elevation)[:, None]).sum(0).clamp_min(0.0)
@@ -126,7 +126,7 @@ class LightStage:
 
     @cached_property
     def things(self) -> list[tuple[str, frozenset[str], Tensor, float]]:
-        """Of each object: its name, the words of it, the middle (3,) of its box, and the box's half diagonal."""
+        """For each object: its name, the words of the name, the middle (3,) of its box, and half the box's diagonal."""
         mesh, found = self.scene.mesh, []
         order = np.argsort(mesh.object, kind="stable")
         ends = np.bincount(mesh.object, minlength=len(self.scene.objects)).cumsum()[:-1]
@@ -137,7 +137,7 @@ class LightStage:
         return found
 
     def parts_of(self, materials: Collection[str]) -> Iterator[tuple[Tensor, float]]:
-        """Of each object that wears one of some materials: the middle (3,) of the part that does, and half its diagonal."""
+        """For each object with one of some materials: middle (3,) and half diagonal of the box around the faces with it."""
         mesh = self.scene.mesh
         numbers = [n for n, material in enumerate(self.scene.materials) if material.name in materials]
         wearing = np.isin(mesh.material, numbers).nonzero()[0]

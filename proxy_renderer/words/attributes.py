@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The sum of bound look words: objects with their attributes, colors with shades, and the lights that a prompt describes."""
+"""The objects of a prompt, from its bound look words; colors with shades; and the lights that a prompt describes."""
 
 from dataclasses import replace
 
@@ -28,7 +28,7 @@ _KEPT = 0.7  # share of the chroma beyond that
 
 
 def complete(parsed: Parsed, subject: str, things: list[NamedThing], sky: bool = True) -> None:
-    """Fills in the objects of a prompt whose attributes are bound."""
+    """Fills in the objects of a prompt whose attributes are bound; `sky` says whether the camera sees the sky."""
     for number, each in enumerate(parsed.attributes):
         if each.kind == "sky" and each.color and not sky:  # an unseen sky is light: its color is the image's
             parsed.attributes[number] = replace(each, kind="ambience", region="whole")
@@ -90,14 +90,14 @@ def fog_color(srgb: Values) -> Values:
 
 
 def shade_effect(entry: str, vocabulary: Vocabulary) -> Effect | None:
-    """The effect of a word that changes colors: of "boring", which is muted; None for other words."""
+    """The effect by which an entry such as "boring" changes the color word after it; None for other entries."""
     known = vocabulary.entries.get(entry)
     effects = known.effects if known and known.slot == "color" else ()
     return next((e for e in effects if (e.family, e.mode) == ("material/base_color", "shade")), None)
 
 
 def shaded(attribute: Attribute, word: str, entry: str, strength: float, vocabulary: Vocabulary) -> Attribute:
-    """A color as a word before it makes it, "boring green"; itself where the word says nothing of colors, or it is none."""
+    """A color attribute, changed by the word before it: "boring green"; as it is if the word changes no colors."""
     effect = shade_effect(entry, vocabulary)
     if effect is None or not attribute.color:
         return attribute
@@ -110,7 +110,7 @@ def shaded(attribute: Attribute, word: str, entry: str, strength: float, vocabul
 
 
 def fixture(thing: str, vocabulary: Vocabulary) -> frozenset[str]:
-    """Words of a light's name that say which one is meant: of "warm light" and "from the left" none does."""
+    """Words of a light's name that say which light is meant; "warm light" and "from the left" have none."""
     words = thing.split()
     if thing in vocabulary.lists["hour"] or not vocabulary.lists["where"].isdisjoint(words):
         return frozenset()
@@ -121,8 +121,9 @@ def fixture(thing: str, vocabulary: Vocabulary) -> frozenset[str]:
 def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> dict[int, tuple[int, ...]]:
     """Place of an item -> the numbers, from 1, of the lights that it describes; other items are left out.
 
-    A description begins with the words that lead a light's name and goes on in parts of the sentence that name nothing: "a softbox
-    from the left, large and warm". Each color after "two rim lights" is one of these. "Both" and "all" speak of every light before.
+    A description begins with the part of a sentence that names a light, and goes on in parts that name nothing else: "a
+    softbox from the left, large and warm". After "two rim lights", each color describes one of them. "Both" and "all"
+    describe every light named before.
     """
     found: dict[int, tuple[int, ...]] = {}
     number, spoken_of, words, several = 0, tuple[int, ...](), vocabulary.words, False
@@ -162,7 +163,7 @@ def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> d
 
 
 def _segments(passage: Passage, vocabulary: Vocabulary) -> list[list[int]]:
-    """Places of the items, parted where a clause begins and at words that join or end a description."""
+    """Places of the items in groups: a new one begins with a clause, and at words that join or end a description."""
     parts: list[list[int]] = []
     for place, item in enumerate(passage.items):
         joins = "joiner" in item.lists or item.text in vocabulary.words["consequence"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Prompts in other languages: English wordings of a lexicon in place of the artist's, and back again for the report."""
+"""Prompts in other languages: translates them to English by the wordings of a lexicon, and back for the report."""
 
 import re
 import unicodedata
@@ -25,8 +25,8 @@ _SPACELESS = re.compile(r"[\u2e80-\u9fff\uf900-\ufaff]")
 _MARKS = {"、": ",", "。": ".", "・": " ", "「": '"', "」": '"'}
 _TIGHT = re.compile(r"\s+([,.;:!?])")
 _LOOKS, _NOUNS = ("looks", "shades", "phrase"), ("things", "name", "unknown")
-"""Kinds of pieces that are look words, and that these stand beside."""
-_GENITIVE = "'s"  # english of what ties a thing to what it belongs to; it is left out
+"""Kinds of pieces that are look words, and kinds that look words stand next to."""
+_GENITIVE = "'s"  # English of a word that ties a thing to its owner; it is left out
 _QUOTED = re.compile(r"(?<=')[^']+(?=')")
 
 
@@ -34,7 +34,7 @@ _QUOTED = re.compile(r"(?<=')[^']+(?=')")
 class Piece:
     """A part of a prompt."""
 
-    english: str  # its meaning; as it stands in the prompt where nobody knows it
+    english: str  # its meaning; the text of the prompt if it is unknown
     start: int  # place of its first character
     end: int  # place after its last character
     # a table of the lexicon, "name" of a thing in the scene, "phrase" in English, "mark" for punctuation, or "unknown"
@@ -58,7 +58,7 @@ class Gloss:
 
 
 def gloss(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> Gloss:
-    """A prompt in English words, one by one; itself where it is English, or in no language that has a lexicon."""
+    """A prompt, translated to English word by word; as it is if it is English, or in a language without a lexicon."""
     every = (*scene.objects, *scene.materials, *scene.lights, *scene.groups)
     names = frozenset(folded(part) for name in every for part in (*parts(name), name))
     words = _WORDS.findall(text.lower())
@@ -73,7 +73,7 @@ def gloss(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> Gloss:
 
 
 def _led(found: list[Piece]) -> list[Piece]:
-    """Pieces with small words that stand behind a thing and its looks before these: "fog without" as "without fog"."""
+    """Pieces in English order: small words that follow a thing and its looks go before them: "fog without" → "without fog"."""
     said: list[Piece] = []
     for piece in found:
         start = len(said)
@@ -88,9 +88,9 @@ def _led(found: list[Piece]) -> list[Piece]:
 def _attempt(
     text: str, lexicon: LanguageLexicon, names: frozenset[str], vocabulary: Vocabulary
 ) -> tuple[int, list[Piece]]:
-    """A prompt as if it were in one language: characters of the words that only the language knows, and the pieces.
+    """A prompt, read as one language: number of characters in words that only this language knows, and the pieces.
 
-    The first is 0 for an English prompt in which nothing else is a look of the language.
+    The number is 0 for a mostly English prompt with too few look words of the language.
     """
     found = pieces(text, lexicon, names, vocabulary.made(_phrases))
     english = {p for p in found if p.kind != "phrase" and _is_english(text[p.start : p.end], vocabulary)}
@@ -100,14 +100,14 @@ def _attempt(
     letters, others = (sum(p.end - p.start for p in some) for some in (mine, theirs))
     if letters > others:
         return letters, found
-    # A guest in an English prompt
+    # The prompt is mostly English
     letters *= [p.kind for p in mine].count("looks") > lexicon.spaces
     own = (replace(p, english=text[p.start : p.end], kind="phrase") if p in english else p for p in found)
     return letters, [*own]
 
 
 def _phrases(vocabulary: Vocabulary) -> frozenset[str]:
-    """English that stays as it is: phrases of several words ("film noir"), and the artist's own words."""
+    """English that is not translated: phrases of several words ("film noir"), and the artist's own entries."""
     words, shipped = frozenset([*vocabulary.synonyms, *vocabulary.colors]), shipped_vocabulary()
     own = words - shipped.synonyms.keys() - shipped.colors.keys()
     return own | {word for word in words if " " in word}
@@ -137,7 +137,7 @@ def pieces(
 
 
 def _cuts(text: str, lexicon: LanguageLexicon, names: frozenset[str]) -> Iterator[Piece]:
-    """Words and marks; where words are not written apart, those that the lexicon or the scene knows."""
+    """Words and punctuation marks; text without spaces is cut into words of the lexicon or the scene, see `cut`."""
     for match in _PARTS.finditer(text):
         start, word = match.span()[0], match[0]
         apart = lexicon.spaces or not _SPACELESS.search(word)
@@ -147,7 +147,7 @@ def _cuts(text: str, lexicon: LanguageLexicon, names: frozenset[str]) -> Iterato
 
 
 def cut(letters: str, known: frozenset[str]) -> list[str]:
-    """The words of characters without spaces: the longest known one each time; unknown characters in a row are one word."""
+    """The words in text without spaces: the longest known one each time; unknown characters in a row are one word."""
     found, place, unknown = list[str](), 0, ""
     while place < len(letters):
         words = (letters[place : place + count] for count in range(_LONGEST_TIGHT, 0, -1))
@@ -162,7 +162,7 @@ def cut(letters: str, known: frozenset[str]) -> list[str]:
 def _piece(
     text: str, cuts: list[Piece], lexicon: LanguageLexicon, names: frozenset[str], phrases: frozenset[str]
 ) -> Piece | None:
-    """Some words in a row as one piece; None where they are none. A single word is always one."""
+    """Some words in a row as one piece; None if they mean nothing together. A single word is always a piece."""
     start, end, single = cuts[0].start, cuts[-1].end, cuts[0] if len(cuts) == 1 else None
     own = Piece(text[start:end], start, end, "unknown")
     if " ".join(cut.english.lower() for cut in cuts) in phrases:
@@ -197,7 +197,7 @@ class Retelling:
         parsed.notes = [_QUOTED.sub(lambda m: self.own(m[0]), text) for text in parsed.notes]
 
     def own(self, english: str) -> str:
-        """The artist's words for English ones; these themselves where they are not from the prompt."""
+        """The artist's words for English ones; the English ones if they do not come from the prompt."""
         return self._text(self._find(english, again=True)) or english
 
     def english(self, word: str) -> str:
@@ -217,7 +217,10 @@ class Retelling:
         return replace(attribute, word=self._text(found), english=attribute.word, place=place)
 
     def _find(self, english: str, again: bool = False) -> list[Piece]:
-        """The pieces of words: the last ones together, those before them near; none where the last is not there."""
+        """The pieces that English words come from: as many of the last words as stand together, others shortly before.
+
+        [] if the last word is not there. With `again`, pieces may be found that were found before.
+        """
         words = _WORDS.findall(normalize(english))
         said = [word for word, _ in self._words]
         for count in range(len(words), 0, -1):
@@ -239,14 +242,14 @@ class Retelling:
 
 
 def understood() -> str:
-    """Advice for a prompt in another language, in one line."""
+    """The languages that are understood, and an example: the remedy for a prompt in another language."""
     *first, last = ("English", *(lexicon.name for lexicon in lexicons()))
     remedy = "write for example 'glossy teal, soft warm light, slight vignette'."
     return f"{', '.join(first)} and {last} are understood: {remedy}"
 
 
 def other_language(text: str) -> Literal["", "some", "all"]:
-    """Share of a prompt that is in another script than the Latin one, or has small words of unread languages."""
+    """How much of a prompt is in a language that is not read, by its script or by small words of such languages."""
     letters = [c for c in text if c.isalpha()]
     latin = sum("LATIN" in unicodedata.name(c, "") for c in letters)
     if letters and latin < 0.5 * len(letters):

@@ -25,9 +25,9 @@ _SHORTEST, _SHORTEST_FOREIGN = 4, 6  # characters of a word that may be mistyped
 _OF_A_CAMERA = (
     "beyond",
     "focus",
-)  # lists of words that no value gives, unless they name a thing in the scene
+)  # lists of words that no parameter fulfills, unless they name a thing in the scene
 _COMPARED = ("finish", "grade", "mood", "atmosphere")  # slots of "glossier", "moodier", "drier"
-_NAME_ALIKE, _ALIKE = 0.86, 0.84  # share of characters that a mistyped name, and any other word, has right
+_NAME_ALIKE, _ALIKE = 0.86, 0.84  # least similarity, by difflib, of a mistyped name and of any other word
 _BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*=+]|#(?![0-9a-f]{6}\b)|\s[-–—/]\s|/|(?<=\bon)\s(?=with\b)")
 _WORD = re.compile(r"#[0-9a-f]{6}\b|[^\W_]+(?:'[a-z]+)?")  # a word, or a color by its number: "#c8102e"
 _SLASH = re.compile(r"(?<=[A-Za-z])/(?=[A-Za-z])")  # "blue/green"
@@ -52,7 +52,7 @@ class Token:
     shades: tuple[ShadeArguments, ...] = ()  # by shade words before it, see `types.Attribute`
     clause: int = 0  # number of its clause
     wished: bool = False  # it is part of a wish that values cannot fulfill: "remove the chair"
-    presents: tuple[Token, ...] = ()  # in a change phrase, present looks: red of "the roof from red to grey"
+    presents: tuple[Token, ...] = ()  # in a change phrase, its looks now: red in "the roof from red to grey"
     change: int = 0  # number of the change phrase that it is in, as object or as a look wished of it; 0: none
 
     @property
@@ -77,9 +77,9 @@ class Token:
 
 
 class Lexer:
-    """Finds the longest known phrases; built once per prompt, as scenes bring their own names.
+    """Finds the longest known phrases; built once per prompt, because its scene adds names.
 
-    Of `foreign` words only long ones may be English ones with a mistake, "travertin".
+    Words of another language, `foreign`, are taken for misspelled English only if they are long: "travertin".
     """
 
     def __init__(
@@ -96,7 +96,7 @@ class Lexer:
         return [self._tokens(self._spelled(part)) for part in words if part]
 
     def _spelled(self, words: list[str]) -> list[str]:
-        """The words that are meant by those typed in a hurry, by "on" at the end, and by "bluegreen" and "lightblue"."""
+        """The words of a clause; replaces hurried spellings, "on" at the end, and compounds such as "bluegreen"."""
         v, found = self.vocabulary, list[str]()
         if len(words) > 1 and words[-1] in v.words["burns"]:
             (burning,) = v.words["burning"]
@@ -134,7 +134,7 @@ class Lexer:
         return len(words) < 3 or (what := self._phrase(words[2])).scene or what.noun == "subject"
 
     def _cuts_a_phrase(self, words: list[str], start: int, end: int) -> bool:
-        """True if words take the first word of a listed phrase that is no surface: "warm golden" of "golden hour"."""
+        """True if the words from start to end split a known phrase about no surface: "warm golden" splits "golden hour"."""
         later = range(end + 1, min(end + _LONGEST, len(words) + 1))
         phrases = (" ".join(words[i:j]) for i in range(start + 1, end) for j in later)
         return any(self.vocabulary.slot(phrase) not in ("", "finish", "material") for phrase in phrases)
@@ -151,7 +151,7 @@ class Lexer:
         return may_be_thing and self._phrase(first).known
 
     def _phrase(self, text: str) -> Token:
-        """A phrase as it stands, without an ending, or as what it compares: "cooler", "glossiest"."""
+        """The token of a phrase: as it stands, without an ending, or as the adjective that is compared: "cooler"."""
         v = self.vocabulary
         if is_hex(text):
             return Token(text, color=srgb_from_hex(text))
@@ -186,7 +186,7 @@ class Lexer:
         )
 
     def _guess(self, token: Token) -> Token:
-        """The known word that is meant, where the other one can only be a slip of the keyboard."""
+        """A token with the known word that is meant, if its own can only be a typing error; else as it is."""
         text, foreign = token.text, token.text in self.foreign
         is_thing = singular(text) in thing_words()
         token.unsure = not (foreign or is_thing) and self.vocabulary.made(Nearest).may_be_a_look(text)
@@ -199,12 +199,13 @@ class Lexer:
             or get_close_matches(text, self.names, 1, _NAME_ALIKE)
             or get_close_matches(text, spelling, 3, _ALIKE)
         )
-        known = next((w for w in near if w[0] == text[0]), "")  # likelier than a rare word
+        # if the first character is right, an error is likelier than a rare word
+        known = next((w for w in near if w[0] == text[0]), "")
         return replace(self._phrase(known), text=text, guess=known) if known else token
 
 
 def _spellings(text: str, nouns: Container[str]) -> list[str]:
-    """A phrase, and words that it may be a form of; "car parked" is no car park, and "walled" no wall."""
+    """A phrase, and its possible base forms; "car parked" is no form of "car park", nor "walled" of "wall"."""
     bases = [text.removesuffix("s"), text.removesuffix("es")]
     past = text.removesuffix("ed")
     bases += [] if " " in text or past in nouns else [past]
@@ -246,7 +247,10 @@ def _shaded(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
 
 
 def _led_by_shades(words: list[str], v: Vocabulary) -> Iterator[tuple[list[str], list[str]]]:
-    """Shade words with their intensities, and the rest; "very dark blue" is darker than the dark blue of the list."""
+    """All splits of words into shade words with their intensities, and the rest.
+
+    "very dark blue" is split into "dark" and the listed color "dark blue".
+    """
     for split in range(1, len(words)):
         leading, rest = words[:split], words[split:]
         listed = " ".join(rest) in v.colors and rest[0] in v.shades
@@ -257,7 +261,7 @@ def _led_by_shades(words: list[str], v: Vocabulary) -> Iterator[tuple[list[str],
 
 
 def _shades(leading: list[str], v: Vocabulary) -> tuple[ShadeArguments, ...]:
-    """Changes by shade words, that of the one next to the color first; "very" doubles one, "slightly" halves it."""
+    """Arguments of `color.shade` for each shade word, that next to the color first; an intensity scales the next word's."""
     found = []
     for before, word in [*zip(["", *leading], leading, strict=False)][::-1]:
         if word in v.shades:

@@ -21,7 +21,7 @@ _UNBOUND = "'{}': there is no {} '{}' in the scene; not used."
 def without_links(
     text: str, scene: SceneDescription, vocabulary: Vocabulary
 ) -> tuple[str, list[SaidLink], list[str]]:
-    """A prompt without the words that link lights, these, and notes on those that name nothing."""
+    """A prompt without the words that link lights, the links, and notes on links that name nothing in the scene."""
     links, notes = list[SaidLink](), list[str]()
     *_, spares = patterns = vocabulary.made(_linking)
     for pattern in patterns:
@@ -35,7 +35,7 @@ def without_links(
             lights, role = _lights(noun, scene, vocabulary)
             quote = " ".join(text[start:end].split())
             if not (lights or role):
-                if pattern is not spares:  # a spotlight, or what else may be added
+                if pattern is not spares:  # the scene may get such a light: a spotlight
                     continue
                 notes.append(_UNBOUND.format(quote, "light", noun))
             elif not objects:
@@ -43,13 +43,13 @@ def without_links(
             else:
                 links.append(SaidLink(quote, pattern is not spares, objects, role, lights))
             bare = normalize(said).split()[: -len(noun.split())] in ([], ["the"])
-            known = bare and (lights or not role)  # it asks for no other light
+            known = bare and (lights or not role)  # then these words ask for no light
             text = text[: start if known else match.start()].rstrip() + " , " + text[end:]
     return text, links[::-1], notes
 
 
 def _linking(vocabulary: Vocabulary) -> list[re.Pattern[str]]:
-    """The ways to say what a light lights; all but the last say that it is only that."""
+    """Patterns of words that say what a light lights: only some objects, or by the last pattern, not some objects."""
     lights_only, only, spares = (any_of(vocabulary.words[kind]) for kind in ("lights_only", "only", "spares"))
     what, end = "(?P<what>[^,.;:!]+?)", r"(?=\s*(?:[,.;:!]|but\b|while\b|with\b|$))"
     texts = (rf"\b{lights_only} {what}{end}", rf"\bon {what} {only}{end}", rf"\b{spares} {what}{end}")
@@ -57,7 +57,7 @@ def _linking(vocabulary: Vocabulary) -> list[re.Pattern[str]]:
 
 
 def _light_noun(said: str, scene: SceneDescription, vocabulary: Vocabulary) -> str:
-    """The name of a light at the end of words; "" where they tell none apart from other light: "warm light"."""
+    """The name of a light at the end of words; "" if they name no particular light: "warm light"."""
     words = normalize(said).split()
     ends = [" ".join(words[-n:]) for n in range(min(_MOST, len(words)), 0, -1)]
     found = next((noun for noun in ends if any(_lights(noun, scene, vocabulary))), "")
@@ -93,7 +93,7 @@ def _objects(
 
 
 def _called(noun: str, scene: SceneDescription, vocabulary: Vocabulary) -> tuple[str, ...]:
-    """The objects that a noun names: by their names, by what they are in the image, or as the subject or all around it."""
+    """The objects that a noun names: by their names, by the shape of their materials, or as subject or surroundings."""
     fillers = vocabulary.lists["stop"] | vocabulary.lists["definite"]
     noun = " ".join(word for word in normalize(noun).split() if word not in fillers)
     if not noun:

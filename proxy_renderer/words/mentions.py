@@ -26,9 +26,10 @@ from .types import SceneDescription
 _LONGEST = 3  # tokens of a name
 _SURE = (*(f"{s} {way}" for s in ("material", "object", "group", "light") for way in FITS[:2]),)
 _NO_NOUNS = {"negation", "comparison", "exception", "action", "undo", "beyond"}
-# Lists and exceptions are patterns over a row of letters, one for each token. Nouns: T a thing, K a light, N another name, and a noun
-# that is a look; M a part of the image, I anything else without a name in the scene; n are their other tokens. Others: Q "all",
-# O "the rest", L a look, _ filler, u unknown, . what is known, a comma between clauses, and those of _LETTERS.
+# Lists and exceptions are found by patterns over a string with a letter for each token, and commas between clauses.
+# Nouns of the scene begin with T (things), K (lights) or N (the noun is a look word, too), others with M (a part of the
+# image) or I; n is each further token of a noun. Other tokens: Q "all", O "the rest", L a look word, _ a filler,
+# u unknown, those of _LETTERS, and . for any other known word.
 _LETTERS = {
     "P": {"spared"}, "X": {"exception"}, "G": {"again"}, "A": {"listing"},
     "F": {"of"}, "W": {"save", "refusal"}, "B": {"save"}, "R": {"refusal"},
@@ -54,7 +55,7 @@ _JOINED = re.compile(  # "box and cup"; over a comma only names: "bezel, strap a
 
 
 def mentions(passage: Passage, index: SceneIndex, vocabulary: Vocabulary) -> list[NounMention]:
-    """All nouns of a prompt, those of several nouns last."""
+    """All nouns of a prompt, then the lists that join several of them."""
     finder, single, start = _NounFinder(passage, index, vocabulary), [], 0
     while start < len(passage.items):  # the longest name first
         found = finder.at(start)
@@ -97,7 +98,7 @@ class _NounFinder:
         return self._mention(start, start, noun, self._numbered(start, named)) if named or noun else None
 
     def _numbered(self, start: int, named: list[Named]) -> list[Named]:
-        """Those of some names that have the number after a noun: "cube 2" is Cube.002."""
+        """The names that have the number after a noun: "cube 2" is Cube.002; `named` if there is none."""
         number = next((item.text for item in self.items[start + 1 : start + 2]), "")
         if not number.isdecimal():
             return named
@@ -110,13 +111,13 @@ class _NounFinder:
         return [numbered for numbered in each if numbered.names] or named
 
     def _mention(self, start: int, end: int, noun: str, named: list[Named]) -> NounMention:
-        """A noun with the light that it means: "key light" the key, "light" light in general ("")."""
+        """A noun with the role of the light that it names: "key" for "key light", "" for "light"."""
         text, last = " ".join(i.text for i in self.items[start : end + 1]), self.items[end]
         role = last.noun if last.noun in ("fill", "rim") else self.vocabulary.role(last.text)
         return NounMention(start, end, text, noun, role, tuple(named))
 
     def _of_several(self, start: int, count: int) -> list[Named]:
-        """Names of some tokens in a row, if that is sure."""
+        """What some tokens in a row name in the scene, if their fit is sure."""
         row = self.items[start : start + count]
         apart = any(i.clause != row[0].clause or i.ties for i in row)
         if len(row) < count or apart or row[0].filler or row[-1].filler:
@@ -125,7 +126,7 @@ class _NounFinder:
         return self._surely(self.index.named(said)) or self._lamps(said)
 
     def _of_one(self, start: int, said: tuple[str, ...]) -> list[Named]:
-        """Names of a token by itself, by its last word if by nothing else, or with a mistake."""
+        """What a single token names in the scene, by all of its words or else by the last one."""
         token = self.items[start]
         named = self.index.named(said) or self._lamps(said)
         of_a_role = token.noun in ("rim", "fill") and not token.text.endswith("s")
@@ -134,9 +135,9 @@ class _NounFinder:
         ):  # a "blue rim" is of light, though glasses have rims
             named = [n for n in named if n.kind == "lights"] or self._surely(named)
         last = said[-1:]
-        if not named and len(said) > 1 and token.noun != "tone":  # "the whole picture" hangs on no wall
+        if not named and len(said) > 1 and token.noun != "tone":  # "the whole picture" is no object
             named, said = self.index.named(last), last
-        if said == last and last[0] in self.vocabulary.lists["anylight"]:  # though one may be called "Light"
+        if said == last and last[0] in self.vocabulary.lists["anylight"]:  # not one that is called "Light"
             plural = token.text.endswith("s")
             named = [n for n in named if n.signs != {"light exact"} and (plural or not _is_translated(n))]
             if not plural and self.vocabulary.nouns.get(last[0]) == "light":  # nor a "Tail Light"
@@ -144,7 +145,7 @@ class _NounFinder:
         return self._surely(named) if "stop" in token.lists and not token.noun else named
 
     def _is_of_the_next(self, start: int) -> bool:
-        """True if a look is said of the thing after it, with only looks between: "red" of "red leather seats" is no red lamp."""
+        """True if a look word describes the thing after it, with only looks between: "red leather seats" names no red lamp."""
         token = self.items[start]
         if not token.names_a_look or token.noun:
             return False
@@ -162,12 +163,12 @@ class _NounFinder:
         return [n for n in named if not n.signs.isdisjoint(_SURE)]
 
     def _lamps(self, said: tuple[str, ...]) -> list[Named]:
-        """Of "window light" the lights that a window names."""
+        """The lights that the words before a final "light" name: "window" of "window light"."""
         any_light = len(said) > 1 and said[-1] in self.vocabulary.lists["anylight"]
         return [n for n in self.index.named(said[:-1]) if n.kind == "lights"] if any_light else []
 
     def _noun(self, start: int) -> str:
-        """The kind of thing that a token is: "unknown" for a word that nobody knows, or that is a mood, or here the thing itself."""
+        """The kind of noun that a token is: "unknown" for an unknown word, or a look word that may be a thing; "" for none."""
         token = self.items[start]
         if token.noun or ("thing" not in token.lists and (token.known or token.unsure)):
             return token.noun
@@ -176,12 +177,12 @@ class _NounFinder:
 
 
 def _is_translated(named: Named) -> bool:
-    """True if no name has the very word: "wooden" of "wood planks"."""
+    """True if all names fit only by a synonym: "wooden" and "wood planks"."""
     return all(sign.endswith("synonym") for sign in fit_signs(named))
 
 
 class _NounRow:
-    """The nouns of a prompt among its other tokens, as a row of letters."""
+    """The nouns of a prompt among its other tokens, as a string of letters, see the head of this file."""
 
     def __init__(self, passage: Passage, single: Iterable[NounMention], vocabulary: Vocabulary) -> None:
         self._vocabulary = vocabulary
@@ -195,12 +196,12 @@ class _NounRow:
             self._places += [place] * (1 + bool(parted))
 
     def excepted(self) -> set[int]:
-        """Places where nouns begin that the prompt leaves out."""
+        """Places where the nouns begin that the prompt excepts."""
         spans = [match.span(1) for pattern in _EXCEPTED for match in pattern.finditer(self._letters)]
         return {place for span in spans for place in self._nouns_in(*span, _NOUNS)}
 
     def joined(self) -> list[list[int]]:
-        """Places where the nouns of each list begin that have nothing said between them."""
+        """For each list of nouns with no look word between them, the places where its nouns begin."""
         return [self._nouns_in(*match.span(), _LISTABLE) for match in _JOINED.finditer(self._letters)]
 
     def _nouns_in(self, start: int, end: int, letters: str) -> list[int]:
@@ -225,7 +226,10 @@ class _NounRow:
 
 
 def _joined(run: list[NounMention], words: SceneDescription) -> NounMention | None:
-    """One mention of several nouns: the surest names of each, once of all sources and once of materials; None if nothing."""
+    """One mention for a list of nouns; None if they name nothing in the scene.
+
+    It has the surest names of each noun, for every preference of `surest`.
+    """
     if not any(mention.named for mention in run):
         return None
     found: dict[tuple[str, frozenset[str]], Named] = {}
@@ -255,5 +259,5 @@ def named_objects(mention: NounMention, index: SceneIndex) -> list[str]:
     if all(named.kind != "things" for named in mention.named):  # a lamp is one, light is none
         return []
     said = parts(mention.text)
-    # "table lamp" of a lamp
+    # "table lamp" may name an object "Lamp"
     return next((found for n in range(len(said)) if (found := index.objects(said[n:]))), [])

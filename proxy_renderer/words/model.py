@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Facts about look words and what they may describe, their fitted weights, and the likeliest row: a conditional random field.
+"""Binds look words by a conditional random field: facts about a word and a target, their weights, and the likeliest row.
 
-`lab/train/binding.py` makes the weights.
+`lab/train/binding.py` fits the weights.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ ALIKE = (
     "both nowhere", "one nowhere", "same", "same, named by one", "same noun", "same kind", "others",
     "same, color and color", "same, color and material", "same, material and color", "same, material and material",
 )  # fmt: skip
-"""Ways in which their targets do; with a word about light also "same, SLOT and SLOT"."""
-_FAR = 4  # items from which a distance says no more
-_LIKELY = 8  # targets of a look word that its links to others may decide between
+"""Ways in which the targets of two look words relate; with a word about light also "same, SLOT and SLOT"."""
+_FAR = 4  # items; a greater distance counts as this
+_LIKELY = 8  # most targets of a look word among which its links to other look words decide
 _LEAST = 1e-300  # probability of what is next to impossible
 FactWeights = dict[str, float]
 
@@ -71,7 +71,7 @@ def scores(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list[fl
 def likeliest(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list[tuple[TargetPair, float]]:
     """The few likeliest targets of a look word with their scores, best first.
 
-    Pairs that come to the same, by one noun or by another, are one: the likeliest of them, as likely as all together.
+    Pairs with the same target and sense, by different nouns, count as one: the likeliest, with the sum of probabilities.
     """
     same: dict[object, list[tuple[TargetPair, float]]] = {}
     for pair, score in zip(pairs, scores(pairs, weights), strict=True):
@@ -84,9 +84,9 @@ def likeliest(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list
 
 
 def likeliest_row(read: PromptPairs, weights: Mapping[str, float]) -> list[TargetPair]:
-    """The pair of each look word: the likeliest of all rows of pairs, each with what links it to the one before.
+    """A pair for each look word: the likeliest row of all, by the scores of its pairs and the links between neighbors.
 
-    Viterbi's algorithm (1967). If every word came to nothing, at least one has to describe something.
+    Viterbi's algorithm (1967). If no word of that row describes anything, the row is chosen again without such targets.
     """
     chosen = _viterbi(read.passage, read.pairs, weights)
     if any(pair.target.kind not in NOWHERE for pair in chosen):
@@ -136,7 +136,7 @@ def probabilities(read: PromptPairs, weights: Mapping[str, float]) -> list[list[
 def _chain(
     passage: Passage, pairs: Sequence[Sequence[TargetPair]], weights: Mapping[str, float]
 ) -> tuple[list[list[TargetPair]], list[np.ndarray], list[np.ndarray]]:
-    """The likeliest pairs of each look word, their scores, and the weights of the links between two words."""
+    """The likeliest pairs of each look word, their scores, and the weights of links between each word and the next."""
     import numpy as np
 
     found = [likeliest(each, weights) for each in pairs]
@@ -200,7 +200,7 @@ class ClauseForms:
         return "color" if token.color else "adjective"
 
     def role(self, place: int) -> str:
-        """ "noun", "look", a tie, or "other"."""
+        """The role of an item: "noun", "look", one of `TIES`, or "other"."""
         if place in self.noun_at:
             return "noun"
         if place in self.look_at:
@@ -239,7 +239,7 @@ class PairFeatures:
         self.look, self.token, self.forms = look, look.token, forms
         self.items, self.mentions = forms.passage.items, forms.mentions
         covering = [m for m in self.mentions if m.covers(look.index)]
-        # A lake in the scene makes "lake" another word; surfaces stay what they are.
+        # If the scene has a lake, "lake" counts as another word; words about surfaces do not.
         named = look.token.entry and forms.sort_of(look.token) not in SURFACE
         self._name = " and name" if named and any(_is_of_object(n) for m in covering for n in m.named) else ""
         self._sort, self._lead = forms.sort_of(look.token) + self._name, forms.lead(look.index)
@@ -250,7 +250,7 @@ class PairFeatures:
         """The facts about one pair."""
         kind, token = target.kind, self.token
         group = "matter" if kind in MATTER else "lamp" if kind in LAMPS else kind
-        word = f"'{token.adjective or token.entry or 'a color'}'{self._name}"  # all colors are one
+        word = f"'{token.adjective or token.entry or 'a color'}'{self._name}"  # colors are not told apart
         yield f"a {self._sort} word of {kind}"
         yield from (f"{word} at {group}", f"{word} of {kind}", f"{sense.way} at {group}")
         if "thing" in token.lists:
@@ -368,14 +368,14 @@ def looks(
 def reading(
     text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()
 ) -> PromptPairs:
-    """The pairs of a prompt, see `looks`."""
+    """The look words of a prompt, each with everything that it may describe. Arguments as for `looks`."""
     found = looks(text, words, vocabulary, foreign)
     nouns = mentions(found, words.made(SceneIndex, vocabulary), vocabulary)
     every, own = targets(nouns, words), OwnNouns(found, nouns, vocabulary)
     forms, pairs = ClauseForms(found, nouns, vocabulary), []
     for look in found.looks:
         may_be = [*every, Target(TINGE)] if found.tinged(look) else every
-        if changed := own.changed(look.index):  # in a change phrase only what its object names
+        if changed := own.changed(look.index):  # in a change phrase, only targets of its object
             theirs = {number for number, noun in enumerate(nouns) if noun.covers(changed.start)}
             may_be = [t for t in may_be if t.mention in theirs or t.kind == TINGE] or may_be
         senses = ((target, sense_at(look.token, target.kind, vocabulary)) for target in may_be)

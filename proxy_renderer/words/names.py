@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Names in a scene: as somebody would say them, which are parts of others, and how well words of a prompt fit them."""
+"""Names in a scene: their spoken forms, names that are parts of others, and how well words of a prompt fit them."""
 
 import re
 from collections import defaultdict
@@ -45,7 +45,7 @@ def is_detail(material: str) -> bool:
 
 
 def scene_names(words: SceneDescription) -> frozenset[str]:
-    """Whole names in a scene, their last words, and the wholes of limbs: "car" of "CarShellNew"."""
+    """Whole names in a scene, their last words, and names without the word for a limb: "car" of "CarShellNew"."""
     spoken = {plain_name(words.subject)}
     for name in map(plain_name, (*words.objects, *words.materials)):
         whole, _, last = name.rpartition(" ")
@@ -54,7 +54,7 @@ def scene_names(words: SceneDescription) -> frozenset[str]:
 
 
 def limbs(words: SceneDescription) -> dict[str, tuple[str, ...]]:
-    """Object -> its parts that are objects of their own: the duck's head, the only teapot's lid."""
+    """Object -> its limbs that are objects of their own: "Duck Head" of "Duck", or "Lid" of the only object, a teapot."""
     heads: dict[Region, set[str]] = {"subject": set(), "surroundings": set()}
     theirs: dict[tuple[Region, str], list[str]] = defaultdict(list)
     for name, region in words.objects.items():
@@ -89,7 +89,7 @@ def fit(words: tuple[str, ...], name: tuple[str, ...], vocabulary: Vocabulary) -
     joined = "".join(words)
     if words in (name, tuple(n for n in name if len(n) > 1)) or joined == "".join(name):
         return "exact"
-    # a look stands only for itself: "rubber tire" is no "tire", "oak floor" no "floor wood"
+    # a word for a look has no synonyms here: "oak floor" does not fit "floor wood"
     if len(words) > 1:
         found = (w in name or (_shares_a_sense(w, name) and not is_of_surfaces(w, vocabulary)) for w in words)
         return "all" if all(found) or joined in name else ""
@@ -115,7 +115,7 @@ def is_of_surfaces(word: str, vocabulary: Vocabulary) -> bool:
 
 
 def _part_fit(name: tuple[str, ...], way: str, of_limb: str) -> str:
-    """The way of a word inside a name. A limb stands for the whole ("car shell"), a detail does not ("robot eyes")."""
+    """The way in which a word fits inside a name. A limb means the whole ("car shell"), a detail does not ("robot eyes")."""
     if name[-1] in name_words("details"):
         return "detail's whole"
     return of_limb if name[-1] in name_words("limbs") else way

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A prompt in the words that its reader knows: hours, kelvins and pairs as sentences, one light alone, and what is to stay."""
+"""Rewrites a prompt in words that the reader knows: hours, kelvins, pairs such as "fog: none", a light that is on alone.
+
+Also takes out passages on what is to stay and on links of lights.
+"""
 
 from __future__ import annotations
 
@@ -27,10 +30,10 @@ _PAIR = re.compile(
 )
 _MOST_WORDS = 4  # words of a value; more are a sentence of their own
 _AND = re.compile(r"\s*(?:,|\band\b|\bor\b)\s*")
-_LAMPLIGHT = "lamplight"  # the setup of a room by a lamp of it
+_LAMPLIGHT = "lamplight"  # the rig of a room that one of its lamps lights
 
 Protection = tuple[str, tuple[str, ...]]
-"""A passage that says that something stays, "leave the cup alone", and the owners that stay; none if it names nothing."""
+"""A passage that says what stays, "leave the cup alone", and the owners that stay; () if it names nothing of the scene."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +84,7 @@ def normalized(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> No
 
 
 def _sole_lights(v: Vocabulary) -> list[re.Pattern[str]]:
-    """The ways to say that one light burns alone."""
+    """Patterns of wordings for one light that is on alone."""
     rows = ("sole", "alight", "lit_by", "every_light", "put_out", "excepted")
     sole, alight, lit_by, every, out, excepted = (any_of(v.words[row]) for row in rows)
     article, end = rf"(?:{any_of(v.lists['definite'])} |an? )?", r"(?=\s*(?:[,;.]|$))"
@@ -120,7 +123,7 @@ def _kelvins(match: re.Match[str]) -> str:
 
 
 def _protecting(v: Vocabulary) -> list[re.Pattern[str]]:
-    """The ways to say that something stays; the first one says so whatever it names."""
+    """Patterns of wordings for something that stays; the first counts even if it names nothing of the scene."""
     words = {kind: any_of(v.words[kind]) for kind in ("leave", "alone", "forbid", "keep", "stays", "stay")}
     end = r"(?=\s*(?:[,.;:!]|and\b|but\b|while\b|$))"
     one = rf"{any_of(v.lists['definite'])} [\w-]+(?: [\w-]+)?"

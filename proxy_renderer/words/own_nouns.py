@@ -16,12 +16,13 @@ from .scene import NounMention, SceneIndex, is_alike, materials_of
 from .targets import SURFACE, PromptPairs, TargetPair
 from .types import MaterialLook, SceneDescription
 
-_STOPS = ("around", "comparison", "exception")  # no look crosses them to the noun: "a cup on red"
-_MAIN = 0.7  # share of the subject from which one material is what a name for the subject means
+# a look word after one describes no noun before it: "a cup on red"
+_STOPS = ("around", "comparison", "exception")
+_MAIN = 0.7  # least share of the subject that has one color, for a subject of one material
 
 
 class OwnNouns:
-    """Finds the nouns of look words."""
+    """Finds the nouns that look words describe."""
 
     def __init__(self, passage: Passage, mentions: list[NounMention], vocabulary: Vocabulary) -> None:
         self._items, self._vocabulary = passage.items, vocabulary
@@ -29,7 +30,7 @@ class OwnNouns:
         self._at = {p: m for m in mentions if m.members == 1 for p in range(m.start, m.end + 1)}
 
     def of(self, look: int) -> NounMention | None:
-        """The noun that a look word is said of; None where that is not certain."""
+        """The noun that a look word describes; None if that is not certain."""
         if self._items[look].change:
             return self.changed(look)
         return self._after(look) or self._before(look)
@@ -41,7 +42,7 @@ class OwnNouns:
         return next((self._at[place] for place in places if place in self._at), None)
 
     def _after(self, look: int) -> NounMention | None:
-        """The noun of "a red roof", the last one of "a red roof tile" unless the scene has only the other."""
+        """The noun after a look word: "a red roof"; of several the last, unless the scene has only an earlier one."""
         found, led = None, self._led(look)
         for place in range(look + 1, len(self._items)):
             item = self._items[place]
@@ -55,7 +56,7 @@ class OwnNouns:
         return found
 
     def _before(self, look: int) -> NounMention | None:
-        """The noun of "the roof is red" and "the roof in dark red"; one that the scene has before one without an article."""
+        """The noun before a look word: "the roof is red"; a noun of the scene rather than one without an article."""
         found = None
         for place in range(look - 1, -1, -1):
             item = self._items[place]
@@ -101,13 +102,13 @@ class OwnNouns:
 class AbsentObjects:
     """Nouns of a prompt that name an object which its scene lacks.
 
-    The only one of them is what the artist calls the subject, where the subject is of one material and no noun names it.
+    A single one is the artist's name for the subject, if the subject is of one material and no other noun names it.
     """
 
     def __init__(self, found: PromptPairs, scene: SceneDescription, vocabulary: Vocabulary) -> None:
         self._found, self._scene, self._vocabulary = found, scene, vocabulary
         self._own = OwnNouns(found.passage, found.mentions, vocabulary)
-        self.subject = self._subject_name()  # what the prompt calls a subject whose names do not tell, or ""
+        self.subject = self._subject_name()  # the prompt's name for the subject, or ""
 
     def noun_of(self, pair: TargetPair) -> str:
         """The absent object that a look word describes; "" where it describes none."""
@@ -135,13 +136,13 @@ class AbsentObjects:
         return is_part and seen and not self._is_of_one_material()
 
     def _subject_name(self) -> str:
-        """The name that the prompt gives a subject whose names do not tell: the only object that it describes; "" for none."""
+        """The only absent object that the prompt describes, as its name for the subject; "" if the subject has a clear name."""
         mentions, looks = self._found.mentions, self._found.passage.looks
         places = {look.index for look in looks}  # "a dim workshop" is a look of the whole image
         nouns = [n for look in looks if (n := self._own.of(look.index)) and n.start not in places]
         names = {n.text for n in nouns if n.noun == "unknown" and self._is_absent(n)}
         smaller = name_words("limbs") | name_words("details") | name_words("accessories")
-        # beside its "cap", the bottle is the thing, and "wheels" are never the whole
+        # of bottle and "cap", the bottle is the subject, and a plural such as "wheels" never is
         whole = {n for n in names if smaller.isdisjoint((n, singular(n)))}
         names = whole or {n for n in names if not n.endswith("s")}
         theirs = {name for m in mentions for n in m.named if n.kind == "things" for name in n.names}
@@ -151,7 +152,7 @@ class AbsentObjects:
         return names.pop() if is_clear else ""
 
     def _has_a_name(self) -> bool:
-        """True if half of what is seen of the subject is called what it is, so that nobody calls it otherwise."""
+        """True if names in the scene say what most of the visible subject is, so that another noun does not mean it."""
         scene, named, whole = self._scene, 0.0, 0.0
         for material, thing in ((m, o) for o, worn in scene.object_materials.items() for m in worn):
             look = scene.looks.get(material, MaterialLook())
@@ -169,7 +170,7 @@ class AbsentObjects:
         return any(general.isdisjoint({word} if word in senses[word] else senses[word]) for word in known)
 
     def _is_of_one_material(self) -> bool:
-        """True if most of what is seen of the subject is of one color; where only names are known it may be."""
+        """True if most of the visible subject has one color, or if no colors are known."""
         mine = (n for n in materials_of("subject", self._scene) if not is_detail(n))
         looks = [self._scene.looks[name] for name in mine if name in self._scene.looks]
         main = max(looks, key=lambda look: look.share, default=None)
@@ -185,7 +186,10 @@ _STUCK = "'{text}' is not changed: other objects have its material '{material}' 
 def with_own_materials(
     passage: Passage, scene: SceneDescription, vocabulary: Vocabulary
 ) -> tuple[SceneDescription, dict[str, str]]:
-    """The scene with copies of materials that objects of the prompt share, and a sentence on each that has to stay."""
+    """The scene with copies of materials that objects of the prompt share with others.
+
+    Also returns, for each material that cannot be copied, a sentence that says so.
+    """
     wearers: dict[str, list[str]] = defaultdict(list)
     for thing, worn in scene.object_materials.items():
         for material in worn:
@@ -202,7 +206,7 @@ def with_own_materials(
     done = set[tuple[str, str]]()
     for (mine, text), (material, its) in itertools.product(named, shared.items()):
         theirs = [thing for thing in its if thing in mine and (material, thing) not in done]
-        # a material that is called like the object is meant, whoever wears it
+        # a material with the object's name is meant itself, for all objects that wear it
         if not theirs or mine.issuperset(its) or fit(parts(text), parts(material), vocabulary):
             continue
         done |= {(material, thing) for thing in theirs}
@@ -214,7 +218,7 @@ def with_own_materials(
 
 
 def _copies(material: str, wearers: list[str], scene: SceneDescription) -> dict[str, list[str]]:
-    """Name of a copy -> the objects that wear it; of several copies where Blender could not hold the name of one for all."""
+    """Name of a copy -> the objects that wear it; several copies if the name of one for all is too long for Blender."""
     each: dict[str, list[str]] = defaultdict(list)
     count, mine = Counter(map(every, scene.objects)), Counter(map(every, wearers))
     for thing in wearers:
@@ -254,7 +258,7 @@ def _with_copies(scene: SceneDescription, copies: dict[str, list[str]]) -> Scene
 
 
 def _split(look: MaterialLook, things: list[str]) -> tuple[MaterialLook, MaterialLook]:
-    """The look of some objects' material and that of all others; what it is by its shape goes with the larger part."""
+    """The look of a material on some objects, and on all others; its `structures` stay with the larger part."""
     mine = {o: share for o, share in look.worn.items() if o in things}
     rest = {o: share for o, share in look.worn.items() if o not in things}
     one, other = (replace(look, share=sum(worn.values()), worn=worn) for worn in (mine, rest))

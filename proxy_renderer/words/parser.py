@@ -28,7 +28,7 @@ from .types import Attribute, Candidate, Parsed, PromptWord, SceneDescription
 _TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>|\x1b\[[0-9;]*[A-Za-z]|[\x00-\x08\x0e-\x1f\x7f]")
 _THINGS_STAY = "things are not added, moved or removed, only their look changes."
 _LEAST = 0.02  # probability of a candidate
-_MOST = 16  # objects, and lights, that a word is offered besides
+_MOST = 16  # most objects, and most lights, that a word's menu offers in addition to its candidates
 _TARGETS, _FACTS = 4, 4  # lines of `why` for each look word, and facts in each line
 
 
@@ -60,19 +60,19 @@ class Understood:
 
     @property
     def parsed(self) -> Parsed:
-        """The result, which everyone leaves as it is. Raises VibeError if nothing in the prompt is understood."""
+        """The result, which nobody may change. Raises VibeError if nothing in the prompt is understood."""
         if self.unknown:
             raise self.unknown
         return self._parsed
 
 
 def prepared(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> str:
-    """A prompt as readers take it."""
+    """A prompt in normalized English, as the reader takes it."""
     return normalized(gloss(text, scene, vocabulary).english, scene, vocabulary).text
 
 
 def _opened(prompt: str, scene: SceneDescription, vocabulary: Vocabulary) -> tuple[Gloss, bool, Normalized]:
-    """A prompt in English words, whether some of it is in a language that is not understood, and as readers take it.
+    """A prompt in English words, whether some of it is in a language that is not understood, and its normalized form.
 
     Raises VibeError if it is empty, too long, or in a language that is not understood.
     """
@@ -214,7 +214,7 @@ def _prompt_words(
 def _look_word(
     reading: PromptReading, number: int, said: list[Attribute], end: str, own: Callable[[str], str]
 ) -> PromptWord:
-    """A look word with the attributes that it became; `end` is that of its key."""
+    """A look word with the attributes that it became; `end` is the end of its key, "" or "#2"."""
     pair = reading.chosen[number]
     names = dict.fromkeys(pair.chosen or described_name(a, reading.scene) for a in said)
     candidates = _candidates(reading, number, next(iter(names), NOT_USED))
@@ -271,7 +271,7 @@ def _largest(scene: SceneDescription, _: Vocabulary) -> list[str]:
 
 
 def _placed(words: Iterable[PromptWord], prompt: str) -> tuple[PromptWord, ...]:
-    """Words with their places in a prompt, in its order; those that it says in other letters come last."""
+    """Words with their places in a prompt, in its order; words that it spells otherwise come last."""
     found, end = [], 0
     for word in words:
         text = r"[\W_]+".join(map(re.escape, re.findall(r"#?[^\W_]+", word.text)))

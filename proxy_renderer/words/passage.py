@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A prompt as a row of tokens, with the look words that are in it; present looks of change phrases are no look words."""
+"""A prompt as a row of tokens, and its look words; "red" in "the roof from red to grey", a present look, is none."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -15,14 +15,14 @@ _WISHES = {"action", "undo"}
 _ENDS = {*_WISHES, "again"}  # lists of words that end a wish
 LIGHTS = ("light", "fill", "rim")  # kinds of nouns that are lights
 STRUCTURES = ("floor", "walls", "ground", "support", "wall", "roof", "ceiling")
-"""Rows of [grammar.words]: parts of a scene that its names hardly ever say."""
+"""Rows of [grammar.words]: parts of a scene that are hardly ever in its names."""
 _LETTERS = {
     "V": "changes", "P": "paints", "S": "exchanges", "J": "becoming", "f": "leaving", "t": "reaching", "w": "exchanged",
     "I": "instead", "R": "former", "b": "rather", "O": "one", "v": "particles", "G": "gradients",
 }  # fmt: skip
 """Letter of a token in change phrases -> row of [grammar.words] that has it. Others: L a look of a surface, N an object, K a light,
 the sky or the like, d "the", _ fillers and ties, . anything else."""
-_A, _B, _X = "(?P<a>L+)", "(?P<b>L+)", "(?P<x>N+)"
+_A, _B, _X = "(?P<a>L+)", "(?P<b>L+)", "(?P<x>N+)"  # present looks, wished looks, and the object
 _CHANGES = [
     re.compile(pattern)
     for pattern in (
@@ -57,7 +57,7 @@ class PromptLook:
 
     @property
     def less(self) -> bool:
-        """True if it is to be there in a smaller degree than now: a step towards its opposite."""
+        """True for "less ...": the image is to have less of the look than now."""
         word_of_its_own = self.token.text.startswith("less ")  # "less contrast"
         return self.text.startswith("less ") and not word_of_its_own
 
@@ -69,17 +69,17 @@ class Passage:
     items: list[Token]  # all tokens, with the numbers of their clauses
     looks: list[PromptLook] = field(default_factory=list)  # the look words, in order
     starts: set[int] = field(default_factory=set)  # places of items that begin a clause as written
-    wishes: list[list[str]] = field(default_factory=list)  # that only a modeler can fulfill, as said
-    beyond: list[str] = field(default_factory=list)  # words that no value can give
+    wishes: list[list[str]] = field(default_factory=list)  # words of wishes that only a modeler can fulfill
+    beyond: list[str] = field(default_factory=list)  # words that no parameter can fulfill
 
     def tinged(self, look: PromptLook) -> PromptLook | None:
-        """The color right after a look word, whose shade the word may say."""
+        """The color right after a look word, whose shade the look word may be; None if there is none."""
         clause = self.items[look.index].clause
         following = (other for other in self.looks if other.index == look.index + 1 and other.token.color)
         return next((other for other in following if self.items[other.index].clause == clause), None)
 
     def content(self, start: int, end: int) -> list[Token]:
-        """The items from start to end that say something, without `end`."""
+        """The items from `start` to before `end` that are no fillers."""
         return [item for item in self.items[max(start, 0) : end] if not item.filler]
 
 
@@ -100,7 +100,10 @@ def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
 
 
 def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterator[Token]:
-    """The tokens of a clause; what is focused is marked, and a wish to add or remove things; one about light, fog or the like is none."""
+    """The tokens of a clause; those of a wish to add or remove things are marked as `wished`, and those after a focus.
+
+    A wish about looks, light or fog is not marked.
+    """
     until = 0
     for index, token in enumerate(tokens):
         if token.lists & _WISHES:
@@ -152,7 +155,7 @@ def is_object(token: Token, vocabulary: Vocabulary) -> bool:
 
 
 def with_changes(clauses: list[list[Token]], vocabulary: Vocabulary) -> list[list[Token]]:
-    """Clauses in which present looks are with their objects, see `Token.presents`: "the roof from red to slate", "teal, not pink"."""
+    """Clauses in which each object holds its present looks, see `Token.presents`: "the roof from red to slate"."""
     found = []
     for clause, tokens in enumerate(clauses, start=1):
         for number in range(_MOST):  # "make the red door blue and the white wall grey"
@@ -182,7 +185,10 @@ def _letter(token: Token, vocabulary: Vocabulary) -> str:
 
 
 def _is_a_change(tokens: list[Token], match: re.Match[str]) -> bool:
-    """True if a phrase says more than "make red chair glossy", in which both looks are wished, and than "make the leather red"."""
+    """True if a match replaces a present look.
+
+    In "make red chair glossy" both looks are wished, and "make the leather red" has no present look.
+    """
     present, wished = (tokens[slice(*match.span(part))] for part in "ab")
     colored = any(token.color for token in present)
     done = any(token.change for token in (*present, *wished))
@@ -193,7 +199,7 @@ def _is_a_change(tokens: list[Token], match: re.Match[str]) -> bool:
 
 
 def _changed(number: int, tokens: list[Token], match: re.Match[str]) -> list[Token]:
-    """A clause in which an object has its present looks, and the looks that are wished of it are tied to it."""
+    """A clause in which an object holds its present looks; its wished looks have the same number of the change."""
     looks = tuple(tokens[place] for place in range(*match.span("a")))
     named = match.groupdict().get("x") is not None
     owner = match.end("x") - 1 if named else match.end("a") - 1

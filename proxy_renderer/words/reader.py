@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Binds the look words of a prompt by fitted weights, and says what they are bound to in the planner's terms."""
+"""Binds the look words of a prompt by fitted weights, and turns them into attributes for the planner."""
 
 import math
 from collections import defaultdict
@@ -35,7 +35,7 @@ from .types import GLOW, STRONGEST, WEAKEST, Attribute, Parsed, SceneDescription
 
 _PLAIN = "Use plain look words that the vocabulary knows."
 _UNSURE = 0.35
-"""Probability that a word is no look from which it is not used; chosen on a half of tests/words/ordinary_words.toml."""
+"""A word that is no look word with a greater probability is not used; chosen on a half of tests/words/ordinary_words.toml."""
 _LESS = 0.7  # share of the opposite that "less" asks for
 _KINDS = {"lights": "light", "key": "light", "air": "fog"}  # of target -> of thing, where they differ
 _OF_SLOT = {"lighting": "light", "atmosphere": "fog", "grade": "tone", "setting": "surroundings"}
@@ -51,17 +51,18 @@ class PromptReading:
     weights: Mapping[str, float]
     pairs: PromptPairs
     chosen: list[TargetPair]  # the pair of each look word
-    subject: str  # its name for the subject, or that of the scene
+    subject: str  # the prompt's name for the subject, or the scene's
     parsed: Parsed  # the result, without what `attributes.complete` adds
-    is_part: bool  # whether it is the meaning of a mood
+    is_part: bool  # whether the text is the meaning of a mood
     mentioned: list[NamedThing] = field(default_factory=list)  # nouns with a surface
     absent: set[int] = field(default_factory=set)  # numbers of the look words whose object the scene lacks
     unused: set[int] = field(default_factory=set)  # numbers of the look words that are left out
-    lacking: list[str] = field(default_factory=list)  # says which words describe objects that the scene lacks
+    # sentences on words that describe objects which the scene lacks
+    lacking: list[str] = field(default_factory=list)
 
     @cached_property
     def probabilities(self) -> list[list[tuple[TargetPair, float]]]:
-        """The likeliest pairs of each look word with their probabilities, whatever the artist says."""
+        """The likeliest pairs of each look word with their probabilities, without the artist's choices."""
         return probabilities(self.pairs, self.weights)
 
 
@@ -126,11 +127,12 @@ def _where_it_stands(
     scene: SceneDescription,
     vocabulary: Vocabulary,
 ) -> TargetPair:
-    """A word with the target that its place leaves no doubt of.
+    """A look word's pair, or one with another target if the place of the word makes that certain.
 
-    In the description of a light words are said of light, unless it names what they are said of, with no light between: "a pink
-    one at the left", "an orange sun behind the red cars". A sun is no lamp: "sun through the window". A color right before fog or
-    smoke is that of the air: "greenish ground fog". What is said of lamps and of surfaces is said of the light of what glows.
+    In the description of a light, a word describes light, "a pink one at the left", unless the description names its target
+    with no light between: "an orange sun behind the red cars". A sun is no light of another type: "sun through the window".
+    A color right before fog or smoke is that of the air: "greenish ground fog".
+    A word that both lights and surfaces can have is the light's where the named surface glows: "globes brighter".
     """
     target, look, items, kind = pair.target, pair.look, found.passage.items, ""
     if glow := _glow_of(pair, pairs, found, vocabulary):
@@ -156,7 +158,7 @@ def _where_it_stands(
 def _glow_of(
     pair: TargetPair, pairs: list[TargetPair], found: PromptPairs, vocabulary: Vocabulary
 ) -> TargetPair | None:
-    """The glow of what a word is said of, where lamps can be called so too: "globes brighter"; None where nothing glows."""
+    """The pair of a word with the glow of the surface that it describes, if lights can be called so too; None without a glow."""
     target, look = pair.target, pair.look
     if "lamp" not in vocabulary.adjectives.get(look.token.adjective, {}) or target.kind in (*LAMPS, "light"):
         return None
@@ -172,7 +174,7 @@ def _is_a_sun(pair: TargetPair) -> bool:
 
 
 def _find_absent(read: PromptReading, objects: AbsentObjects) -> None:
-    """Finds the words whose object the scene lacks; the notes get a sentence for each object."""
+    """Finds the words whose object the scene lacks; adds a note for each such object."""
     lacking = defaultdict(list)
     for number, pair in enumerate(read.chosen):
         if noun := "" if pair.chosen else objects.noun_of(pair):
@@ -184,7 +186,7 @@ def _find_absent(read: PromptReading, objects: AbsentObjects) -> None:
 
 
 def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
-    """The attributes of a look word; none where it is not used, None where it is part of another word or of a name."""
+    """The attributes of a look word; [] if it is not used, None if it is part of another word or of a name."""
     pair = read.chosen[number]
     kind, token, entry = pair.target.kind, pair.look.token, pair.sense.entry
     if pair.chosen:
@@ -194,12 +196,12 @@ def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
         return _attributes(
             read, pair, entry, replace(thing, thing=pair.chosen) if pair.target.names else thing
         )
-    # a pier where there is one
+    # "pier", if the scene has one
     is_a_name = any(m.named and m.covers(pair.look.index) for m in read.pairs.mentions)
     unsure = _is_unsure(read, number)
     rig = rig_table().rigs.get(token.entry)
-    is_an_hour = rig is not None and rig.kind in TIMES  # it is that of the image, whatever lamp is called sun
-    # the fire of "blue fire"
+    is_an_hour = rig is not None and rig.kind in TIMES  # of the image, though a lamp may be called "sun"
+    # "fire" of "blue fire" is the object that "blue" describes
     if kind == "light" and is_a_name and not is_an_hour and _is_described(read, pair):
         return None
     if (kind == "none" or unsure) and not is_a_name and _is_a_light(read, pair):
@@ -208,7 +210,7 @@ def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
         return []
     if kind in NOWHERE:
         return None if kind == TINGE or is_a_name else []
-    for after in read.chosen[number + 1 : number + 2]:  # the emerald of "emerald velvet" is a color
+    for after in read.chosen[number + 1 : number + 2]:  # "emerald" of "emerald velvet" is a color
         adjoins = token.color and after.look.index == pair.look.index + 1
         entry = "" if adjoins and after.sense.slot == pair.sense.slot == "material" else entry
     said = _attributes(read, pair, entry, _thing(read, pair))
@@ -220,7 +222,7 @@ def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
 
 
 def _is_unsure(read: PromptReading, number: int) -> bool:
-    """True if a word may as well be none that speaks of a look, and no noun says what it describes."""
+    """True if a word is likely no look word, and no noun names what it describes."""
     target, pairs = read.chosen[number].target, read.pairs.pairs[number]
     if target.mention >= 0 or target.kind not in (*MATTER, "picture") or len(read.chosen) == 1:
         return False
@@ -269,7 +271,7 @@ def _attributes(read: PromptReading, pair: TargetPair, entry: str, thing: Attrib
 
 
 def _meant(read: PromptReading, word: PromptLook, known: VocabularyEntry, grade: bool) -> Iterator[Attribute]:
-    """Attributes that a mood stands for; for a grade only what it grades."""
+    """Attributes that a mood stands for; with `grade` only those of the slot "grade"."""
     for text in known.means.split(","):
         meant = read_words(text, SceneDescription(), read.vocabulary, read.weights, is_part=True)
         if not meant.parsed.attributes:
@@ -281,13 +283,13 @@ def _meant(read: PromptReading, word: PromptLook, known: VocabularyEntry, grade:
 
 
 def _thing(read: PromptReading, pair: TargetPair) -> Attribute:
-    """Target of a pair's look word, as an attribute without its word; a thing with a surface is mentioned."""
+    """The target of a pair as an attribute without a word; a target with a surface is added to `mentioned`."""
     target, slot, word = pair.target, pair.sense.slot, pair.look.token.text
     kind, is_named = target.kind, target.mention >= 0
     if kind in MATTER:
         return _matter(read, pair)
     name = read.pairs.mentions[target.mention].text if is_named else word
-    if kind == "picture":  # the image, or what a word about many things is about in the first place
+    if kind == "picture":  # the image, or what words of a slot are usually about
         if slot == "color":
             return _of("tone", name, "whole") if is_named else _of("ambience", "tint", "whole")
         grade = pair.sense.way == "row" or (slot in ("mood", "setting") and _is_of_a_grade(read, pair))
@@ -324,7 +326,7 @@ def _matter(read: PromptReading, pair: TargetPair) -> Attribute:
     owners = tuple(n for n in scene.materials if n in names)
     around = target.kind == "surroundings" or {scene.materials[n] for n in owners} == {"surroundings"}
     region: Region = "surroundings" if around else "subject"
-    # "background" that is the only wall of a scene, or "the rest" that is all walls, is all that lies around, the sky too
+    # "background" for the only wall, or "the rest" for all walls, means all surroundings, with the sky
     by_kind = target.kind == "others" or any(s.endswith("synonym") for s in target.signs)
     if pair.sense.slot == "setting" or (by_kind and {*owners} == materials_of("surroundings", scene)):
         region, owners = "surroundings", ()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sets of materials and lights of a scene that nouns may name, by name ("lamp") or by present look ("the navy surface")."""
+"""Finds the materials and lights that a noun may mean: by name ("lamp"), or by present look ("the navy surface")."""
 
 import math
 from collections import defaultdict
@@ -17,19 +17,20 @@ from .passage import STRUCTURES
 from .types import GLOW, MaterialLook, SceneDescription
 
 REGIONS = {"surroundings": "surroundings", "subject": "subject", "unknown": "subject"}
-"""Kinds of nouns that mean a part of the image where nothing of the scene is called so -> the part."""
+"""Kind of a noun that names nothing in the scene -> the part of the image that it means."""
 _TYPES = {"SUN": "sun", "SPOT": "spot"}  # types of lights that people call by name
 _WORDS = 512  # words of prompts whose names are cached
 # Present looks
-_NEAR = 0.11  # OKLab distance, lightness at less than half, within which a color is called so
+_NEAR = 0.11  # OKLab distance, see `_distance`, within which a material has the color of a name
 _LIGHTNESS = 0.4  # weight of lightness in that distance
-_CLEAR = 1.4  # how many times farther away the next color has to be
+_CLEAR = 1.4  # multiple of the nearest distance beyond which a further material is no rival
 _ALIKE = 0.05  # distance within which two materials have one color
 _SAME = 0.1  # OKLab distance within which a part looks like its whole
 _GRAY = 0.04  # chroma below which a hue says nothing
-_PALER, _STRONGER = 0.5, 1.6  # chroma that a color may have, in multiples of its name's
-_SEEN = 0.001  # share of the image from which somebody would speak of a material
-_MAIN = 3.0  # how many times larger than others of its color a material is that one noun means
+# range of a material's chroma that does not count as a distance, in multiples of the name's
+_PALER, _STRONGER = 0.5, 1.6
+_SEEN = 0.001  # least share of the image of a material that a noun can mean by its look
+_MAIN = 3.0  # times that a material must be larger than rivals of nearly its color
 _BY_LOOK = frozenset({"material exact", "by look"})
 _Found = tuple[Iterable[str], tuple[str, ...]]  # names, and the signs by which they were found
 
@@ -40,7 +41,7 @@ class Named:
 
     kind: str  # "things" or "lights"
     names: frozenset[str]  # of materials, or of lights; glows among lights start with `GLOW`
-    signs: frozenset[str]  # how it was found: "object exact", "material part", "first", "several"
+    signs: frozenset[str]  # how they were found: "object exact", "material part", "first", "several"
 
 
 @dataclass(frozen=True)
@@ -62,12 +63,12 @@ class NounMention:
 
 
 def fit_signs(named: Named) -> dict[str, str]:
-    """Signs that say how well words fit its name -> the way: "object exact" -> "exact"."""
+    """Signs that say how well words fit a name -> the way of `FITS`: "object exact" -> "exact"."""
     return {sign: way for sign in named.signs for way in FITS if sign.endswith(f" {way}")}
 
 
 def fit_rank(named: Named) -> int:
-    """Place in `FITS` of the surest way in which it was found, 0 for the surest."""
+    """Place in `FITS` of the surest way in which words fit the names, 0 for the surest."""
     return min((FITS.index(way) for way in fit_signs(named).values()), default=len(FITS))
 
 
@@ -79,7 +80,8 @@ def is_alike(one: Values | None, other: Values | None) -> bool:
 def surest(mention: NounMention, kind: str, first: str) -> Named | None:
     """The surest of what a mention names; None if it names nothing of a kind.
 
-    Preferred is what comes `first`: "material" or "object" for a source, "first" or "whole" for a part or all of a thing.
+    Of equally sure ones, one with a sign that begins with `first` is preferred: "material" or "object" for the source of the
+    name, "first" or "whole" for a part or all of a thing.
     """
 
     def rank(named: Named) -> tuple[int, bool]:
@@ -94,7 +96,7 @@ def materials_of(region: str, words: SceneDescription) -> frozenset[str]:
 
 
 def taken(mentions: Iterable[NounMention], words: SceneDescription) -> frozenset[str]:
-    """The materials that nouns name in the surest way; what is left out by a word that no name has is the subject."""
+    """The materials that nouns name in the surest way; an excepted noun without a name stands for its part of the image."""
     names: set[str] = set()
     for mention in mentions:
         best = surest(mention, "things", "object") if mention.members == 1 else None
@@ -153,7 +155,7 @@ class SceneIndex:
         return [Named(kind, names, frozenset(signs)) for (kind, names), signs in found.items()]
 
     def _ways(self, said: tuple[str, ...], names: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
-        """The names that words fit, with the way; of thousands, many have the same parts."""
+        """Name that words fit -> the way; names with the same parts are compared once."""
         ways = {its: fit(said, its, self._vocabulary) for its in {*names.values()}}
         return {name: ways[its] for name, its in names.items() if ways[its]}
 
@@ -161,7 +163,7 @@ class SceneIndex:
         materials, groups = (self._ways(said, names) for names in (self._materials, self._groups))
         for source, ways in (("material", materials), ("object", shown), ("group", groups)):
             surest = best(ways.values())
-            # a duck is not its head alone
+            # "duck" does not mean the duck's head alone
             theirs = {part for o, way in ways.items() if way == surest for part in self._parts.get(o, ())}
             for way in dict.fromkeys(ways.values()):  # in an order that is the same in every process
                 chosen = [name for name, its in ways.items() if its == way and name not in theirs]
@@ -171,7 +173,7 @@ class SceneIndex:
     def _chosen(self, source: str, chosen: list[str], signs: tuple[str, ...]) -> Iterator[_Found]:
         """The materials of what was chosen: all of them, without details, and the first one of each object."""
         theirs = self.words.object_materials
-        if source == "material":  # with what the limbs wear of an object that is called like a material
+        if source == "material":  # and what the limbs of an object with the material's name wear
             called = (o for m in chosen for o in theirs if plain_name(o) == plain_name(m) and m in theirs[o])
             limbs = (limb for o in called for limb in self._limbs.get(o, ()))
             yield from self._split([*chosen, *limbs], (*signs, "whole"))
@@ -186,7 +188,7 @@ class SceneIndex:
             yield [theirs[o][0] for o in objects], (*signs, "first")
 
     def _split(self, names: list[str], signs: tuple[str, ...]) -> Iterator[_Found]:
-        """Materials, and apart from each other those of subject and surroundings."""
+        """Some materials; then, if they are in both, those of the subject and those of the surroundings."""
         yield names, signs
         for region in dict.fromkeys(self.words.materials.get(n) for n in names):
             mine = [n for n in names if self.words.materials.get(n) == region]
@@ -236,7 +238,7 @@ class LookIndex:
         return frozenset(name for name, look in self._looks.items() if kinds & look.structures)
 
     def _of_color(self, color: Values | None, names: Iterable[str]) -> frozenset[str]:
-        """Those of some materials that have a color; none where another one is nearly as near, and not much smaller."""
+        """Those of some materials that have a color; none if a rival's color is nearly as near, and it is not much smaller."""
         far = {n: _distance(color, self._looks[n]) for n in names if color and n in self._looks}
         nearest = min(far.values(), default=math.inf)
         if nearest >= _NEAR:
@@ -251,7 +253,10 @@ class LookIndex:
 
 
 def _distance(color: Values, look: MaterialLook) -> float:
-    """Distance of a material from the color of a name; lightness counts less, and how strong the color is hardly."""
+    """OKLab distance of a material's color from that of a name.
+
+    Lightness counts less, and not at all for a material that glows; chroma counts only if it is far from the name's.
+    """
     if look.color is None:
         return math.inf
     (light, *named), (own_light, *own) = oklab_from_srgb(color), oklab_from_srgb(look.color)

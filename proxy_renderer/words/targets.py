@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Targets: what look words may describe in a scene, what a word is there ("gold" is a metal on a bowl), and the artist's own choices."""
+"""Targets, which look words may describe in a scene; the sense of a word there ("gold" on a bowl is a metal); and the artist's choices."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -82,7 +82,7 @@ class TargetPair:
 
 @dataclass(frozen=True)
 class PromptPairs:
-    """A prompt with its open questions: `pairs` has those of each look word, in the order of the passage's."""
+    """A prompt before it is bound: `pairs` has, for each look word in order, everything that it may describe."""
 
     passage: Passage
     mentions: list[NounMention]
@@ -122,13 +122,16 @@ def _without(
 def rest(
     mentions: list[NounMention], words: SceneDescription, described: frozenset[str] = frozenset()
 ) -> frozenset[str]:
-    """All materials that a prompt neither names nor leaves out, and that are not `described`; details only if nothing else is left."""
+    """All materials that a prompt neither names nor excepts, and that are not `described`.
+
+    Materials of details are among them only if nothing else is left.
+    """
     left = frozenset(words.materials) - taken(mentions, words) - described
     return frozenset(n for n in left if not is_detail(n)) or left
 
 
 def sense_at(token: Token, kind: str, vocabulary: Vocabulary) -> Sense | None:
-    """The sense of a word at a kind of target; None if it cannot describe it."""
+    """The sense of a word at a kind of target; None if the word cannot describe such a target."""
     if kind in NOWHERE:
         return Sense("", "", "own")
     rows = vocabulary.adjectives.get(token.adjective, {})
@@ -148,7 +151,7 @@ def sense_at(token: Token, kind: str, vocabulary: Vocabulary) -> Sense | None:
 
 
 def _elsewhere(token: Token, kind: str, vocabulary: Vocabulary) -> Iterator[str]:
-    """Senses at a kind of target of which a word says nothing itself; of a mood, those of the parts of its meaning."""
+    """Entries for a word at a kind of target that its own entry does not describe; for a mood, by the parts of its meaning."""
     rows = [vocabulary.elsewhere.get(k, {}) for k in _KINDS[kind]]
     said = [token.adjective, token.entry]
     for part in vocabulary.entries[token.entry].means.split(", ") if token.entry else ():
@@ -190,7 +193,10 @@ def _glow_name(material: str) -> str:
 
 
 def _joined_names(names: Collection[str], scene: SceneDescription, is_matter: bool) -> str:
-    """Lights by their names; materials by the objects that wear nothing else, as far as these wear all of them."""
+    """Several names as one; "" if they are too many.
+
+    Materials are called by the objects that wear no others, if these objects wear all of the materials.
+    """
     if not is_matter:
         found = [name for name in scene.lights if name in names]
         found += [_glow_name(name) for name in scene.glows if GLOW + name in names]
@@ -202,7 +208,7 @@ def _joined_names(names: Collection[str], scene: SceneDescription, is_matter: bo
 
 
 def key_numbers(texts: Sequence[str]) -> list[str]:
-    """Ends of the keys of a prompt's look words: "#2" for the second of equal ones, "" where the prompt says it once."""
+    """Ends of the keys of look words: "#2" for the second of equal words, "" for a word that the prompt has once."""
     each = ((text, texts[: number + 1].count(text)) for number, text in enumerate(texts))
     return [f"{NUMBER}{count}" if texts.count(text) > 1 else "" for text, count in each]
 
@@ -220,9 +226,9 @@ def with_choices(
     scene: SceneDescription,
     vocabulary: Vocabulary,
 ) -> tuple[list[TargetPair], list[str]]:
-    """Look words with the targets that the artist has chosen, or as they are; and the words with a choice that are none of these.
+    """Look words with the targets that the artist has chosen, if any; and the words of choices that are no look words.
 
-    Raises VibeError if the scene has nothing of such a name, or a word can say nothing of its target.
+    Raises VibeError if the scene has nothing with a chosen name, or if a word cannot describe its target.
 
     Args:
         choices: Word of the prompt -> a name in the scene, several with " + ", or one of `schema.targets.GENERAL`.
@@ -245,7 +251,7 @@ def with_choices(
 
 
 def _means(key: str, said: set[str], number: int, english: Mapping[str, str]) -> bool:
-    """True if a key is that of a word that is said so; of several, of the one with a number."""
+    """True if a key means a look word with the wordings `said`; a number in the key has to be `number`."""
     word = plain_key(key)
     translated = normalize(english.get(word, ""))
     called = {normalize(word), translated, *translated.split()}
@@ -269,7 +275,10 @@ def _target(word: str, name: str, scene: SceneDescription) -> Target:
 
 
 def _named(name: str, scene: SceneDescription) -> Target | None:
-    """Something of the scene, or what every scene has; upper and lower case count only between these."""
+    """The target of a name in the scene, or of a general name; None if there is neither.
+
+    A name in the scene comes before a general one only if it has the same upper and lower case.
+    """
     lower = name.casefold()
     own = {each: Target("lights", frozenset({each})) for each in scene.lights}
     own |= {_glow_name(each): Target("lights", frozenset({GLOW + each})) for each in scene.glows}

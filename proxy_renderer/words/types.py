@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The typed structures between a sentence and a plan, whoever fills them in."""
+"""The data structures between a prompt and a plan, independent of how the prompt is read."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .lexicon.vocabulary import Vocabulary
 
 T = TypeVar("T")
-Part = Literal["subject", "surroundings", "sky", "picture"]  # of a claim; the sky is what is seen of it
+Part = Literal["subject", "surroundings", "sky", "picture"]  # of the image; the sky is the visible sky
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class LightDescription:
     type: str = ""  # "POINT", "SPOT", "AREA" or "SUN"; "" if unknown
     role: str = "other"  # "key", "fill", "rim" or "other"
     turn: float | None = None  # azimuth from the camera, degrees: 0 behind it, 90 on its right; None: unknown
-    objects: tuple[str, ...] = ()  # names of those that it mainly lights; none where that is unknown
+    objects: tuple[str, ...] = ()  # names of objects that it mainly lights; () if unknown
     stops: float = 0.0  # added to its power by Blender (its `exposure`)
 
 
@@ -34,12 +34,12 @@ class LightDescription:
 class MaterialLook:
     """Look of a material before any wish."""
 
-    color: Values | None = None  # sRGB in [0, 1], that of its glow where it glows; None where nothing says it
+    color: Values | None = None  # sRGB in [0, 1], of its glow if it glows; None if unknown
     glows: bool = False  # whether it emits light
     share: float = 0.0  # of the image's pixels
     worn: Mapping[str, float] = field(default_factory=dict)  # object -> its share of the image with it
-    # what it clearly is by its shape: "ground", "support" (the subject stands on it), "wall", "roof", "ceiling";
-    # of several walls "walls"
+    # what its shape clearly is: "ground", "support" (the subject stands on it), "wall", "roof", "ceiling"; "walls" for
+    # each of several materials of walls
     structures: frozenset[str] = frozenset()
 
 
@@ -63,13 +63,13 @@ class PictureStats:
     percentiles: tuple[float, float, float] | None = None  # L* of the image at 5, 50 and 95 percent
 
 
-WEAKEST, STRONGEST = 0.05, 3.0  # of words: "very, very, very dark" is as dark as it gets
-GLOW = "material/"  # how a material whose glow counts as a light is called among lights: this and its name
+WEAKEST, STRONGEST = 0.05, 3.0  # limits of the strength of a word: "very, very, very dark"
+GLOW = "material/"  # before the name of a material in a list of lights: the glow of that material
 
 
 @dataclass(frozen=True)
 class SceneDescription:
-    """A scene as words and plans know it; everything is empty or unknown where there is none."""
+    """A scene as words and plans know it; what is not known is empty or None."""
 
     subject: str = ""  # name of the subject, say the mesh file's; "" when unknown
     objects: dict[str, Region] = field(default_factory=dict)  # object name -> region
@@ -101,7 +101,7 @@ class SceneDescription:
     )
 
     def made(self, make: Callable[[SceneDescription, Vocabulary], T], vocabulary: Vocabulary) -> T:
-        """An object that is made of the names and a vocabulary, once for all prompts."""
+        """An object made of this description and a vocabulary; it is made once and kept."""
         if make not in self._made or self._made[make][0] is not vocabulary:
             self._made[make] = vocabulary, make(self, vocabulary)
         made: T = self._made[make][1]
@@ -142,7 +142,7 @@ class Attribute:
 
     @property
     def grades(self) -> bool:
-        """True if it is a mood or a place that only the grade is to have, and no light."""
+        """True for a mood or a place that is about the grade alone, not about light."""
         return self.slot in ("mood", "setting") and self.kind == "tone"
 
     @property
@@ -159,11 +159,11 @@ class Attribute:
 
     @property
     def of_one_light(self) -> bool:
-        """True if it is about one of several lights: what another one is like does not concern it."""
+        """True if it is about particular lights, so that words about other lights do not concern it."""
         return bool(self.lights or self.role or self.owners)
 
     def is_of_another_light(self, other: Attribute) -> bool:
-        """True if the prompt describes one by one the lights that this word and another one are about."""
+        """True if the prompt describes lights one by one, and this word and another are about different ones."""
         return bool(self.phrases and other.phrases) and {*self.phrases}.isdisjoint(other.phrases)
 
 
@@ -196,7 +196,7 @@ class PromptWord:
     strength: float = 1.0  # 1 as named; below for "slightly", above for "very"
     negated: bool = False  # "no", "without", "not"
     target: str = NOT_USED  # name of what it describes, see `schema.targets`; "not used" where it is left out
-    thing: str = ""  # what the prompt calls that: "cube"; "" where it says only the word
+    thing: str = ""  # the prompt's noun for the target: "cube"; "" if it has only the word
     confidence: float = 1.0  # probability of the target; 1 where the artist says so, or the scene lacks it
     # what it may describe, the target first, then the likeliest; empty for a word that is no look word
     candidates: tuple[Candidate, ...] = ()
@@ -204,13 +204,13 @@ class PromptWord:
     guess: str = ""  # the known word that it is taken for, where it is misspelled
 
     def row(self) -> dict[str, Any]:
-        """The word as the report and `--json` have it: everything but what else it could describe."""
+        """The word for the report and `--json`: all fields but `others`."""
         return {name: value for name, value in asdict(self).items() if name != "others"}
 
 
 @dataclass(frozen=True)
 class SaidLink:
-    """Words that say which objects a light is to light."""
+    """Words of the prompt that say which objects a light is to light."""
 
     text: str  # the words, as the prompt has them
     only: bool  # whether it lights only these objects, or all but them

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The words that are known: data files, and what reads them."""
+"""The words that are known: data files, and the modules that read them."""

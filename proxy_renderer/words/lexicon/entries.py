@@ -16,7 +16,7 @@ OWNERS = {
     **dict.fromkeys(("light", "lights", "key", "fill", "rim", "others"), "light"),
     **{group: group for group in ("world", "volume", "film")},
 }
-"""Who an effect may name -> schema group."""
+"""Owner that an effect may name -> schema group."""
 RANGE_MODES = ("", "times", "plus", "near", "shade", "camera", "sides", "lightness", "share")
 SLOTS = tuple(MEANS)
 _TEXT: tuple[type, str] = (str, 'Write text in quotes: "...".')
@@ -45,7 +45,7 @@ class Effect:
     lower: Values = ()  # one or three numbers; empty for color modes
     upper: Values = ()  # likewise
     color: str = ""  # for color modes: "@", "own" or "#rrggbb"
-    weak: bool = False  # gives way silently to any other word
+    weak: bool = False  # is overridden by any other word, without a note
     priority: int = 4  # 1 is the most important
 
     @property
@@ -68,7 +68,7 @@ class EntryWish:
     quantity: str  # name in `quantities.toml`
     named: str = ""  # the class that it asks for: "glossy" of the finish; "" if it names none
     effects: tuple[Effect, ...] = ()  # what it does to parameters
-    claims: tuple[ClaimText, ...] = ()  # what the image has to look like, beside what the class claims
+    claims: tuple[ClaimText, ...] = ()  # on the image, in addition to those of the class
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ class VocabularyEntry:
 
 
 def normalize(phrase: str) -> str:
-    """Lower case and American, with hyphens and underscores as the lexer has them; "the lamp's" is "the lamp"."""
+    """A phrase in lower case and American spelling, with spaces for hyphens and underscores, and without "'s"."""
     lower = phrase.lower().replace("’", "'").replace("colour", "color")
     if lower.isalpha():
         return lower
@@ -116,7 +116,7 @@ def temperature(entry: str) -> int | None:
 
 
 def at_line(path: Path | str, text: str, problem: str, remedy: str, *quotes: str) -> VibeError:
-    """An error that names a line of a file: the first that has the first quote, from there on the first that has the next."""
+    """An error that names a line of a file: the first with the first quote, or from there the first with the next quote."""
     lines, line = text.splitlines(), 0
     for quoted in quotes:
         line = next((i for i in range(line, len(lines)) if quoted in lines[i]), line)
@@ -211,9 +211,9 @@ def read_entry(name: str, row: dict[str, Any]) -> VocabularyEntry:
 
 
 def read_wishes(texts: Iterable[str]) -> tuple[EntryWish, ...]:
-    """Reads the wishes of a word, grouped by quantities in the order of their first ones. Raises VibeError for what is none.
+    """Reads the wishes of a word, grouped by quantity, in the order of the texts. Raises VibeError for a text that is no wish.
 
-    They are classes ("finish is glossy"), effects ("film/contrast 1.1..1.3 !2") and claims ("thing gloss 12..").
+    A text is a class ("finish is glossy"), an effect ("film/contrast 1.1..1.3 !2") or a claim ("thing gloss 12..").
     """
     found: dict[str, EntryWish] = {}
     table = quantities()

@@ -16,10 +16,10 @@ from .vocabulary import shipped_vocabulary
 from .word_table import table
 
 _LETTERS = str.maketrans({"ß": "ss", "ł": "l", "ø": "o", "đ": "d", "æ": "ae", "œ": "oe"})
-"""Letters that are no others with an accent -> how they are written without them."""
+"""Letters that do not consist of a plain letter and an accent -> the plain letters that stand for them."""
 _EAST_ASIAN = ("\u2e80", "\uf900")  # the first character of those scripts, and the one after their last
 _SIBILANTS = ("sses", "nses", "xes", "ches", "shes")
-TABLES = ("grammar", "behind", "looks", "things", "shades")  # of a wording in several, the first counts
+TABLES = ("grammar", "behind", "looks", "things", "shades")  # if a wording is in several, the first counts
 _SHORTEST = 4  # characters of a word that may be a part of a compound ("Obermaterial")
 _CACHED = 16_384  # words whose bases and senses are cached
 Wording = tuple[str, ...]  # word by word
@@ -70,7 +70,7 @@ class LanguageLexicon:
 
     name: str  # in English
     spaces: bool  # whether words are written apart
-    endings: tuple[tuple[str, str], ...]  # pairs of an ending that is typed, and that of the word
+    endings: tuple[tuple[str, str], ...]  # pairs: ending as typed, ending in the lexicon
     meanings: dict[Wording, Meaning]
     looks: dict[str, list[str]]  # english look word -> its wordings in the language
     things: dict[str, list[str]]  # english name of a thing -> its names in the language
@@ -82,7 +82,7 @@ class LanguageLexicon:
 
     @cached_property
     def forms(self) -> frozenset[str]:
-        """All words as they may be inflected; many, for languages with spaces."""
+        """All words in every form that `endings` allows; for languages with spaces they are many."""
         ends = ((w.removesuffix(base), t) for w in self.words for t, base in self.endings if w.endswith(base))
         return self.words | {stem + typed for stem, typed in ends if stem}
 
@@ -103,7 +103,7 @@ def _bases(lexicon: LanguageLexicon, word: str) -> tuple[str, ...]:
 
 @cache
 def lexicons() -> tuple[LanguageLexicon, ...]:
-    """Those that are shipped."""
+    """The lexicons that are shipped."""
     return tuple(map(load, sorted(Path(__file__).parents[1].joinpath("languages").glob("*.toml"))))
 
 
@@ -129,7 +129,7 @@ def listed(row: str) -> list[str]:
 
 @lru_cache(_CACHED)
 def senses(word: str) -> frozenset[str]:
-    """Rows of things that a word, or a few, of a prompt or of a name in a scene may mean, and the word itself."""
+    """What a word or a short phrase may mean, in a prompt or in a name: rows of things.toml, and its own singular."""
     rows, plain = thing_words(), singular(folded(word))
     found = rows.get(plain, frozenset())
     if not found and not word.isascii():

@@ -3,8 +3,9 @@
 
 A claim is "PART MEASURE [#RRGGBB] [in BOX] [by] LOWER..UPPER [or [any] CHANGE] [xWEIGHT] [(REASON)]": "picture warmth 8.. or +4". The color
 is the direction of measures that need one, as `tint` and `accent` do. Measures with several numbers have them at each end, joined by
-commas. A change is enough near the interval only, or, with "any", wherever it ends: "paler" is so of black, too. "or +0" lets an excess
-stay that is there already. "by" counts both ends from what the artist's picture has, in noticeable steps: "picture warmth by 2..4".
+commas. A value outside the interval is enough if it has changed by CHANGE since the artist's image, and is near the interval; with "any"
+it may be anywhere. "or +0" accepts an excess that the artist's image has already. With "by", both ends are noticeable steps from the
+value of the artist's image: "picture warmth by 2..4".
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ COLORS = (
     "black", "grey", "white", "brown", "red", "orange", "yellow", "green", "teal", "blue", "purple", "pink",
 )  # fmt: skip
 PARTS = ("thing", "subject", "surroundings", "picture", "sky")
-_TINTS = ("tint", "accent")  # measures of which only what lies in the direction of a color counts
+_TINTS = ("tint", "accent")  # measures that need a color, in whose direction they measure
 _IN_TWO = ("off_hue", "cast", "shadow_cast", "midtone_cast", "highlight_cast", "chromaticity")
 _NUMBERS = {"color": 3, "mean": 3, **dict.fromkeys(_IN_TWO, 2)}  # measure -> how many, if several
 _NUMBER = r"-?\d*\.?\d+"
@@ -34,7 +35,7 @@ _CLAIM = re.compile(
     rf"(?P<by> by)? (?P<lower>{_END})?\.\.(?P<upper>{_END})?(?: or (?P<any>any )?(?P<change>[+-]\d*\.?\d+))?"
     rf"(?: x(?P<weight>\d*\.?\d+))?(?: \((?P<reason>(?s:.+))\))?"
 )
-_LESS = 2.0  # by how many of its changes a claim would ask for less at strength 0
+_LESS = 2.0  # multiple of a claim's change by which a mild claim asks for less at strength 0
 
 
 @dataclass(frozen=True)
@@ -45,13 +46,14 @@ class ClaimText:
     measure: str  # a key of `claims.measures.registry.MEASURES`
     lower: Values = (-math.inf,)  # of the interval, a number for each that the measure gives
     upper: Values = (math.inf,)  # likewise
-    change: float | None = None  # that is enough since the artist's picture; None if only the interval counts
+    # change since the artist's image that is enough, too; None if only the interval counts
+    change: float | None = None
     near: bool = True  # whether a change is enough near the interval only
     color: str = ""  # "#rrggbb" in whose direction a tint counts; "" for measures that need none
     box: Values = ()  # left, upper, right and lower end in the frame, as shares of its width and height; () for all of it
-    weight: float = 1.0  # of a step while values are sought; 0 of what is only stated, for "colder"
+    weight: float = 1.0  # of a missed step in the search; 0 if it only states a fact, for "colder"
     reason: str = ""  # why it is claimed; "" where the word says it
-    by: bool = False  # whether both ends are noticeable steps from what the artist's picture has
+    by: bool = False  # whether both ends are noticeable steps from the value of the artist's image
 
     def __str__(self) -> str:
         """As `read_claim` reads it."""
@@ -65,7 +67,7 @@ class ClaimText:
         return f"{self.part} {self.measure}{color}{box}{by} {lower}..{upper}{change}{weight}{reason}"
 
     def of_strength(self, strength: float, mild: bool) -> ClaimText:
-        """The claim of a word that asks for more or less of a change; of a `mild` word both ends are met sooner."""
+        """The claim of a word with a strength, which multiplies its change; a `mild` claim also has ends nearer to no change."""
         lower, upper, change = self.lower, self.upper, self.change
         if not change:
             return self
@@ -90,7 +92,7 @@ def warmth_asked(measure: str, lower: float, upper: float) -> int:
 
 
 def read_claim(text: str) -> ClaimText:
-    """Reads a claim, see the head of this file; an end that is left out is open. Raises VibeError for what is none.
+    """Reads a claim, see the head of this file; an end that is left out is open. Raises VibeError for another text.
 
     Example:
         >>> read_claim("picture warmth 8.. or +4").lower
@@ -135,7 +137,7 @@ class Quantity:
 
     name: str  # its key in the table
     says: str  # what it is called in sentences
-    exclusive: bool = False  # whether of two words one has its way, even if they name different parameters
+    exclusive: bool = False  # whether only one of two words wins, even if they name different parameters
     softly: bool = False  # whether its classes are meant under "slightly" too
     classes: Mapping[str, tuple[ClaimText, ...]] = field(default_factory=dict)  # class -> what it claims
     softer: Mapping[str, str] = field(default_factory=dict)  # class -> class under "slightly"
@@ -148,10 +150,13 @@ class QuantityTable:
     by_name: Mapping[str, Quantity]  # name -> quantity, in the order of the table
     parameters: Mapping[str, str]  # "OWNER/PARAMETER MODE", "OWNER/PARAMETER" or a family -> its quantity
     measures: Mapping[str, str]  # "PART MEASURE" or "MEASURE" -> name of its quantity
-    seen: Mapping[str, float]  # MEASURE -> noticeable steps from which judges saw it; inf if none told them
+    seen: Mapping[str, float]  # MEASURE -> noticeable steps from which judges saw a change; inf: from none
 
     def of_parameter(self, owner: str, family: str, mode: str) -> str:
-        """The quantity that an effect of the "key" on "light/power" serves, by the most specific row. Raises VibeError for none."""
+        """The quantity of an effect: of `owner` "key" on the `family` "light/power", say. Raises VibeError if there is none.
+
+        The most specific row of the table counts.
+        """
         name = family.partition("/")[2]
         rows = (f"{owner}/{name} {mode}", f"{owner}/{name}", f"{family} {mode}", family)
         found = next((self.parameters[row] for row in rows if row in self.parameters), "")

@@ -100,7 +100,7 @@ class Modifier:
     both: bool = False  # whether the other side gets such a light too
 
     def change(self, light: RigLight, strength: float) -> RigLight:
-        """A light with the change, as strong as the word says."""
+        """A light with these changes; the strength of the word scales the factors on size and distance."""
         light = replace(
             light, size=light.size * self.size**strength, distance=light.distance * self.distance**strength
         )
@@ -119,7 +119,7 @@ class Modifier:
         return tuple(name for name, says in each.items() if says)
 
     def reversed(self) -> Modifier:
-        """The negated word: less of its exposure and contrast, and the other size."""
+        """The modifier of the negated word: opposite exposure and contrast, and the reciprocal size."""
         return Modifier(size=1 / self.size, exposure=-self.exposure, contrast=-self.contrast)
 
 
@@ -137,12 +137,12 @@ class RigTable:
         return Modifier(kelvin=kelvin) if kelvin else self.modifiers.get(entry)
 
     def parts(self, entry: str) -> tuple[str, ...]:
-        """Parts of the lights that a word only adds to another setup: of "kicker light" a kicker; () of other words."""
+        """Parts of the lights that a word adds to another setup: ("kicker",) for "kicker light"; () for other words."""
         rig = self.rigs.get(entry)
         return tuple(light.part for light in rig.lights) if rig and rig.adds else ()
 
     def is_a_light(self, entry: str, word: str) -> bool:
-        """True if a word for a setup names a light by itself: a candle, the low sun of "low sun", and no night."""
+        """True if a word for a setup names a light: "candle" and "low sun" do, "night" does not."""
         rig = self.rigs.get(entry)
         if rig is None or not rig.lights:
             return False
@@ -152,7 +152,7 @@ class RigTable:
 
     @property
     def plain(self) -> Rig:
-        """The rig of words that only say how light is, and where it comes from."""
+        """The rig for words that only describe a quality or a direction of light."""
         return self.rigs["plain key"]
 
 
@@ -249,7 +249,7 @@ def _color(text: str) -> str:
 
 
 def _check(what: str, values: Iterable[str], known: Sequence[str]) -> None:
-    """Refuses a value that is not known."""
+    """Raises VibeError for a value that is not among the `known`."""
     for value in values:
         if value not in known:
             raise VibeError(f"'{value}' is no {what}.", f"Use one of: {', '.join(filter(None, known))}.")

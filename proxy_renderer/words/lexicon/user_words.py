@@ -102,7 +102,7 @@ def _read(path: Path) -> tuple[str, dict[str, Any]]:
 
 @contextmanager
 def _located(path: Path, text: str, name: str) -> Iterator[None]:
-    """The fault of an entry, with the line of what the error quotes."""
+    """Adds file and line to an error on an entry; the line is found by the words that the error quotes."""
     try:
         yield
     except VibeError as error:
@@ -115,7 +115,7 @@ _COLORS = re.compile(r"^\[colors\][^\n]*\n", re.MULTILINE)
 
 
 def add_look(path: Path, name: str, rows: Mapping[str, str | Sequence[str]]) -> None:
-    """Appends an entry. Raises VibeError if the name is taken, or the file would be wrong with it: it is as it was."""
+    """Appends an entry. Raises VibeError, and leaves the file as it was, if the name is taken or the entry is wrong."""
     lines = [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in rows.items() if value]
     head = f"[look.{json.dumps(name, ensure_ascii=False)}]"
     _write(path, name, "\n".join([_text(path).rstrip("\n"), "", head, *lines, ""]).lstrip("\n"))
@@ -134,7 +134,7 @@ def _text(path: Path) -> str:
 
 
 def _write(path: Path, name: str, text: str) -> None:
-    """Puts the text in the file's place if a vocabulary can be made of it."""
+    """Replaces the file by a text. Raises VibeError if the text is no vocabulary, or has the name already."""
     key = json.dumps(name, ensure_ascii=False)
     if re.search(rf"^(\[look\.)?{re.escape(key)}[\] ]", _text(path), re.MULTILINE):
         raise VibeError(f"'{name}' is in {path} already.", "Change it there, or take another name.")

@@ -19,7 +19,7 @@ from .rigs import rig_table
 
 _SHORTEST_STEM = 2  # characters; a stem has more
 # Colors between colors
-_ALONE = 0.7  # chroma of what is only "greenish"
+_ALONE = 0.7  # factor on chroma of a color that is only "greenish"
 _TINGE = 0.4  # share of the first color in "greenish blue"
 _HALF = 0.5  # in "green blue"
 _KIND = 2 / 3  # in "khaki green"
@@ -27,7 +27,7 @@ _BASIC = frozenset([*COLORS, "gray"])
 _KINDS = _BASIC - {"white", "black"}  # colors that have kinds: "navy white" is two colors
 # Color temperatures
 _LEAST, _MOST, _STEP = 1300, 15500, 100  # kelvins of the entries
-_REACH = 0.03  # share by which a light may differ from what it is said to be
+_REACH = 0.03  # share by which a light's kelvins may differ from those of the prompt
 _WARM = 4800  # kelvins below which light is warm
 _COOL = 7200  # above which it is cool
 T = TypeVar("T")
@@ -35,7 +35,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """All that parser and planner know."""
+    """All that parser and planner know of words."""
 
     entries: dict[str, VocabularyEntry]  # name -> entry
     synonyms: dict[str, str]  # phrase -> entry name
@@ -122,7 +122,7 @@ def load(text: str, colors: str) -> Vocabulary:
         check_opposite(entry, entries)
         for word in entry.words:
             synonyms.setdefault(word, entry.name)
-    synonyms |= {name: name for name in entries}  # at their places, which decide between words as near
+    synonyms |= {name: name for name in entries}  # in their order, which decides between equally near words
     adjectives = {
         normalize(w): {k: normalize(e) for k, e in kinds.items()} for w, kinds in rows["adjective"].items()
     }
@@ -154,7 +154,7 @@ def load(text: str, colors: str) -> Vocabulary:
 
 
 def check_opposite(entry: VocabularyEntry, entries: Container[str]) -> None:
-    """Raises VibeError where the opposite of an entry is none."""
+    """Raises VibeError if an entry names an opposite that is no entry."""
     if entry.opposite and normalize(entry.opposite) not in entries:
         problem = f"Vocabulary: '{entry.name}' has the unknown opposite '{entry.opposite}'."
         raise VibeError(problem, "Name an entry.")
@@ -212,7 +212,7 @@ def tending(word: str, colors: dict[str, Values]) -> Values | None:
 
 
 def compound(words: list[str], colors: dict[str, Values]) -> Values | None:
-    """A color that is called by two; None where the list has it, or where it is none, or two: "teal orange"."""
+    """The color of two color words: "khaki green"; None if the list has it, or if they are no color, or two: "teal orange"."""
     if len(words) != 2 or " ".join(words) in colors or words[1] not in colors:
         return None
     first, base = words[0], colors[words[1]]

@@ -15,24 +15,24 @@ if TYPE_CHECKING:
 
 FILE = Path(__file__).with_name("words.safetensors")
 KINDS = ("known", "adjective", "noun")
-"""Ways in which a word of the table may speak of a look: by heart, before any noun, or as a matter ("made of tinfoil")."""
+"""Kinds of words of the table: known look words, adjectives that may be look words, and nouns that may be substances."""
 
 _SHORTEST = 4  # characters of a stem
-_MAY_BE = 0.56  # likeness to a known word from which a word may speak of a look, and names no thing
+_MAY_BE = 0.56  # least cosine with a known look word, for a word that may be a look word
 
 
 @dataclass(frozen=True)
 class WordTable:
-    """Words that may speak of a look, and others."""
+    """Vectors of words that are or may be look words, and a list of other English words."""
 
     index: dict[str, int]  # word -> row
-    stems: dict[str, int]  # stem -> row; words known by heart come first
+    stems: dict[str, int]  # stem -> row; known look words come first
     vectors: np.ndarray  # (N, D) unit vectors
     kinds: np.ndarray  # (N,) indices into KINDS
     common: frozenset[str]  # frequent English words that say nothing about looks
 
     def is_english(self, word: str) -> bool:
-        """True if it is a word at all."""
+        """True if the table has a word, or its singular."""
         return any(w in self.common or w in self.index for w in (word, word.removesuffix("s")))
 
     def find(self, word: str) -> int | None:
@@ -41,7 +41,7 @@ class WordTable:
             return self.index[word]
         short = stem(word)
         row = self.stems.get(short)
-        # Of words that say something else ("robot"), only derived ones may be meant as known ones ("soaking").
+        # An English word of its own meaning ("robot") is not found by its stem; a derived one ("soaking") may be.
         taken = row is not None and self.is_english(word) and (word == short or self.kinds[row] > 0)
         return None if taken else row
 
@@ -90,7 +90,7 @@ def stem(word: str) -> str:
 
 
 class Nearest:
-    """Known words that an unknown word may stand for, the nearest first: offered for a click, never acted on.
+    """Known words that an unknown word may stand for, the nearest first: offered for a click, never used automatically.
 
     A guess by meaning is right too rarely; only spelling is corrected without asking, see `lexer`.
     """
@@ -99,7 +99,7 @@ class Nearest:
         import numpy as np
 
         self._table = table()
-        # Phrases such as "just after sunrise" tell nothing of a single word
+        # no phrases such as "just after sunrise", whose vectors say nothing about single words
         words = {w: e for w, e in vocabulary.synonyms.items() if w not in hour_phrases()}
         known = [(w, e, self._table.vector(w)) for w, e in words.items()]
         self._known = [(word, entry) for word, entry, vector in known if vector is not None]
