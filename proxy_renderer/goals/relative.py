@@ -113,15 +113,21 @@ _BRIGHTER = 2.0**0.5  # factor of one step for values on a log scale that no mea
 _EXACT = 0.01  # share by which "twice as much" may be missed
 
 
-def further(goals: Goals, vocabulary: Vocabulary, factor: float = 0.0) -> Goals:
-    """Goals of a sentence that goes on from an image. The factor is 2 in "twice as much fog", and 0 if the sentence has none."""
+def further(goals: Goals, vocabulary: Vocabulary, factor: float = 0.0, text: str = "") -> Goals:
+    """Goals of a sentence that goes on from an image.
+
+    Args:
+        factor: 2 in "twice as much fog"; 0 if the sentence has none.
+        text: The sentence from the word that the factor is of.
+    """
     said, wishes = list[Attribute](), list[Wish]()
     every = (*goals.wishes, *(each.wish for each in goals.lost))
     compared = [a for a in goals.parsed.attributes if not a.cause and compares(a, (), vocabulary)]
+    first = next((a for a in compared if text.startswith(a.word)), None)  # of "half as red, more contrast" the red
     for attribute in goals.parsed.attributes:
         mine = [wish for wish in every if wish.attribute is attribute]
         if attribute in compared:
-            mine = [*_compared(attribute, vocabulary, factor)]
+            mine = [*_compared(attribute, vocabulary, factor if first in (None, attribute) else 0.0)]
             attribute = mine[0].attribute if mine else attribute
         elif any(_names_light_of(attribute, each) for each in compared):
             attribute, mine = replace(attribute, entry=""), []

@@ -74,7 +74,7 @@ def set_stage(
         written: Goals that replace those of the prompt.
         goes_on: Whether the prompt is a further sentence, whose goals are relative to the present image.
     """
-    prompt, factor = sentences.plain(prompt) if goes_on else (prompt, 0.0)
+    prompt, factor, compared = sentences.plain(prompt) if goes_on else (prompt, 0.0, "")
     anew = goes_on and new_lights and sentences.adds_light(prompt)
     understood = Understood(prompt, described(*scenes), target)
     if anew and (added := _about_added(understood)):
@@ -85,7 +85,7 @@ def set_stage(
         return StagedScenes(list(scenes), understood, goals)
     vocabulary = default_vocabulary()
     if goes_on:
-        goals = further(goals, vocabulary, factor)
+        goals = further(goals, vocabulary, factor, compared)
     if chosen := chosen_rig(goals, rig_table(), vocabulary, anew):
         rig = lighting(scenes, goals.parsed, chosen, new_lights)
         return StagedScenes(rig.scenes, understood, goals, rig)

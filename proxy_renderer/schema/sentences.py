@@ -31,7 +31,7 @@ _WORDS = "|".join(sorted(_FACTORS, key=len, reverse=True))
 _POWERFUL = rf"\b(?P<factor>{_WORDS}) as (?:strong|bright|intense|powerful)\b"
 # "a third darker" is no third of it
 _TIMES = "|".join(word for word in _FACTORS if not word.startswith("a "))
-_COMPARED = rf"\b(?P<factor>{_TIMES})(?: as much)?(?: of)?(?: the)? (?=\w)"
+_COMPARED = rf"\b(?P<factor>{_TIMES})(?: as(?: much)?)?(?: of)?(?: the)? (?=\w)"
 _COUNTS = {"two": 2.0, "three": 3.0, "half a": 0.5, "1/2": 0.5, "2/3": 2 / 3}
 _COUNTS |= dict.fromkeys(("a third of a", "third of a", "1/3"), 1 / 3)
 _DOWN = ("darker", "down", "under", "less")
@@ -46,6 +46,14 @@ class AboutSteps(NamedTuple):
     what: str = ""  # the word or target that is taken back, or that stays
     new: str = ""  # the target that gets the look instead
     rest: str = ""  # the sentence to follow after the return to a step
+
+
+class PlainSentence(NamedTuple):
+    """A further sentence in the form of a prompt."""
+
+    text: str
+    factor: float = 0.0  # of its comparison: 2 for "twice as much fog"; 0 if it has none
+    compared: str = ""  # the text from the word that the factor is of
 
 
 def about_steps(sentence: str) -> AboutSteps | None:
@@ -101,14 +109,14 @@ def adds_light(sentence: str) -> bool:
     return bool(_PATTERNS["another"].search(sentence))
 
 
-def plain(sentence: str) -> tuple[str, float]:
-    """A sentence in the form of a prompt, and the factor of its comparison; 0 if it has none.
+def plain(sentence: str) -> PlainSentence:
+    """A sentence in the form of a prompt, with the factor of its comparison.
 
     >>> plain("And now twice as much fog")
-    ('more fog', 2.0)
+    PlainSentence(text='more fog', factor=2.0, compared='more fog')
     """
     text = _wish(_PATTERNS["start"].sub("", _PATTERNS["tail"].sub("", " ".join(sentence.split()))))
-    factor = 0.0
+    factor, found = 0.0, None
     if found := _PATTERNS["stops"].search(text):
         clause = re.split(r"[,;.]", text[: found.start()])[-1]
         ways = (found["way"] or clause).lower().split()
@@ -131,9 +139,15 @@ def plain(sentence: str) -> tuple[str, float]:
     elif found := re.search(_COMPARED, text, re.I):
         factor = _FACTORS[found["factor"].lower()]
         text = text.replace(found[0], "more " if factor > 1.0 else "less ")
+    compared = text[found.start() :] if found and factor else ""
+    return PlainSentence(_plainer(text), factor, _plainer(compared))
+
+
+def _plainer(text: str) -> str:
+    """A text with plain words in the place of others."""
     for pattern, word in _PLAINER:
         text = pattern.sub(word, text)
-    return text.strip(), factor
+    return text.strip()
 
 
 def _wish(text: str) -> str:

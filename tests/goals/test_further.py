@@ -24,8 +24,8 @@ VOCABULARY = shipped_vocabulary()
 
 
 def step(sentence):
-    text, factor = sentences.plain(sentence)
-    return further(read(text), VOCABULARY, factor)
+    text, factor, compared = sentences.plain(sentence)
+    return further(read(text), VOCABULARY, factor, compared)
 
 
 def change(sentence):
@@ -62,9 +62,17 @@ def test_a_light_that_is_there_keeps_its_place_when_it_gets_brighter(sentence):
     assert effects <= {"power", "strength"}
 
 
+def test_a_factor_is_of_the_word_that_it_stands_before():
+    alone, beside = step("more contrast"), step("half as red, more contrast")
+    (contrast,) = (w for w in beside.wishes if any(e.name == "contrast" for e in w.effects))
+    assert contrast.effects in [w.effects for w in alone.wishes]
+    foggy, both = step("twice as much fog"), step("twice as much fog, more contrast")
+    assert foggy.wishes[0].effects == both.wishes[0].effects
+
+
 def test_a_light_that_is_called_by_its_name_is_no_setup():
     lights = {"Window Light": LightDescription("AREA"), "Sun": LightDescription("SUN")}
-    text, factor = sentences.plain("window light too strong, bring it down a bit")
+    text, factor, _ = sentences.plain("window light too strong, bring it down a bit")
     goals = further(goals_of(parse(text, SceneDescription(lights=lights))), VOCABULARY, factor)
     assert chosen_rig(goals, rig_table(), VOCABULARY) is None
     wished = {(effect.name, wish.attribute.lights) for wish in goals.wishes for effect in wish.effects}
