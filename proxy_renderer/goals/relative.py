@@ -123,7 +123,8 @@ def further(goals: Goals, vocabulary: Vocabulary, factor: float = 0.0, text: str
     said, wishes = list[Attribute](), list[Wish]()
     every = (*goals.wishes, *(each.wish for each in goals.lost))
     compared = [a for a in goals.parsed.attributes if not a.cause and compares(a, (), vocabulary)]
-    first = next((a for a in compared if text.startswith(a.word)), None)  # of "half as red, more contrast" the red
+    # of "half as red, more contrast" the red
+    first = next((a for a in compared if text.startswith(a.word)), None)
     for attribute in goals.parsed.attributes:
         mine = [wish for wish in every if wish.attribute is attribute]
         if attribute in compared:
