@@ -67,12 +67,14 @@ GALLERY = {
     "landscape": "sunset, warm orange sky, thin mist over the lake",
     "bust": "cinematic teal and orange, dramatic light from the left, dark background",
     "car": "glossy burgundy car, warm sunset light, long shadows",
+    "street": "rainy night, neon pink and cyan light",
+    "street-2": "pre-dawn, cold blue haze over the wet street",
 }
 """Image of the gallery -> its prompt; a scene with several has a number behind its name."""
 
 FAILURES = {
     "product-failed": "emerald perfume, dark moody studio, warm rim light",
-    "street-failed": "rainy night, neon pink and cyan light",
+    "bust-failed": "smoke around the bust, noir",
 }
 """The same of results that are not worth keeping."""
 
