@@ -32,9 +32,10 @@ _POWERFUL = rf"\b(?P<factor>{_WORDS}) as (?:strong|bright|intense|powerful)\b"
 # "a third darker" is no third of it
 _TIMES = "|".join(word for word in _FACTORS if not word.startswith("a "))
 _COMPARED = rf"\b(?P<factor>{_TIMES})(?: as(?: much)?)?(?: of)?(?: the)? (?=\w)"
+_MULTIPLE = r"\b(?P<number>\d{1,2}(?:\.\d+)?) ?(?:x|×|times)(?: as)? (?P<what>brighter|stronger|darker|dimmer|weaker|more|less)\b"
 _COUNTS = {"two": 2.0, "three": 3.0, "half a": 0.5, "1/2": 0.5, "2/3": 2 / 3}
 _COUNTS |= dict.fromkeys(("a third of a", "third of a", "1/3"), 1 / 3)
-_DOWN = ("darker", "down", "under", "less")
+_DOWN = ("darker", "dimmer", "weaker", "down", "under", "less")
 
 
 class AboutSteps(NamedTuple):
@@ -136,6 +137,10 @@ def plain(sentence: str) -> PlainSentence:
         text = text.replace(found[0], "")
         if "," in text:  # a factor would apply to the whole sentence, but is meant for its last part
             factor = 0.0
+    elif found := re.search(_MULTIPLE, text, re.I):  # "1.5x brighter", and "2 times darker" is half
+        lowers = found["what"].lower() in _DOWN
+        factor = (1.0 / max(float(found["number"]), 0.1)) if lowers else float(found["number"])
+        text = text.replace(found[0], found["what"])
     elif found := re.search(_COMPARED, text, re.I):
         factor = _FACTORS[found["factor"].lower()]
         text = text.replace(found[0], "more " if factor > 1.0 else "less ")

@@ -124,6 +124,8 @@ def test_a_look_is_no_sentence_about_steps(sentence):
         ("sconces too bright, take them down a bit", "the sconces a bit darker", 0.0),
         ("key brighter, sun down by half", "key brighter, sun darker", 0.0),
         ("sun down by half", "sun darker", 0.5),
+        ("lamps 1.5x brighter", "lamps brighter", 1.5),
+        ("2 times darker", "darker", 0.5),
         ("half as red, more contrast", "less red, more contrast", 0.5),
         ("a touch less orange overall", "a bit cooler", 0.0),
         ("the vase less orange", "the vase less orange", 0.0),
