@@ -120,8 +120,8 @@ def _short_way(key: str, last: list[float] | None, value: list[float]) -> list[f
 def between(key: str, first: Sequence[float], last: Sequence[float], share: float) -> list[float]:
     """The value at a share, 0 to 1, of the way from `first` to `last`, in steps that look even; exact at both ends.
 
-    Temperatures are interpolated in mireds, colors in OKLab, brightness in stops, azimuths linearly, all other values
-    on their parameter's perceptual scale.
+    Temperatures are interpolated in mireds, colors in OKLab, brightness in stops, all other values on their parameter's
+    perceptual scale. Azimuths are interpolated in degrees as they are, without a wrap at 360.
     """
     if share in (0.0, 1.0) or list(first) == list(last):
         return list(last if share else first)

@@ -237,7 +237,7 @@ def _composed(parts: list[np.ndarray]) -> np.ndarray:
 def resized(pixels: np.ndarray, height: int, width: int) -> np.ndarray:
     """Pixels (H, W) int32, each four 8-bit channels, resized bilinearly to (height, width).
 
-    The first images of a search are smaller than later ones.
+    The panel shows the first images of a search, which are smaller, at the size of the later ones.
     """
     channels = pixels.view(np.uint8).reshape(*pixels.shape, 4).astype(np.float32)
     for axis, count in enumerate((height, width)):

@@ -60,9 +60,9 @@ class AreaSpecular(PointSet):
 def area_specular(
     lamp: LightSource, direct: DirectIrradiance, points: Vectors, normal: Vectors, view: Vectors
 ) -> AreaSpecular:
-    """The highlight of a light, unshadowed, at points (3, N) seen along `view` (3, N), towards the eye.
+    """The unshadowed highlight of a light at points (3, N); `view` (3, N) has the directions from the points to the eye.
 
-    Half-vector terms are taken where the light's outline comes nearest to the mirror direction.
+    Half-vector terms are those of the light's point, within or on its outline, that is nearest to the mirror direction.
     """
     out = dot(normal, view).clamp_min(2e-2)
     sides = lamp.half_sides()

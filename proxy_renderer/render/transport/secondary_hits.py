@@ -268,9 +268,10 @@ class SecondaryHits:
         return torch.cat((emission, emission.new_zeros((1, 3)))).T.index_select(1, self.owner)
 
     def weights(self, sources: Sequence[int] | None = None) -> Tensor:
-        """Weights (A, S + 1, M), averaged over each point's rays: what materials scatter of each source, and last what they emit.
+        """Shares (A points, S + 1, M materials) with which the points' rays see light, averaged over each point's rays.
 
-        With `sources`, weights (A, n, M) of these n sources only.
+        Rows 0 to S - 1 are for the light of each source that a material scatters, the last row for what it emits. With `sources`,
+        shares (A, n, M) for these n sources only.
         """
         slots = torch.cat((self.incoming, self.hit[None])) if sources is None else self.incoming[[*sources]]
         slots = slots.view(len(slots), -1, self.count).transpose(0, 1)

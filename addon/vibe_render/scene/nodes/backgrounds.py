@@ -38,7 +38,9 @@ def has_backdrop(world: World) -> bool:
 
 
 def mixed_backgrounds(world: World, part: str = LIGHT) -> list[Layer]:
-    """The Backgrounds that a part of a world's surface is mixed from; empty for a single, plain one.
+    """The Background nodes that are mixed into a world's Surface, for what lights the scene (LIGHT) or what the camera sees (BACKDROP).
+
+    Empty for a single, plain Background.
 
     A single Background counts as a mix if nodes compute its strength, or if its color depends on the kind of ray.
     """
