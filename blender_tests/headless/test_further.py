@@ -69,6 +69,16 @@ def test_steps_are_in_the_file_and_go_on_from_there(vibed):
     assert (out / "before.png").read_bytes() == (out / f"step-{darker}.png").read_bytes()
 
 
+def test_the_image_before_shows_what_a_sentence_takes_back_first(vibed):
+    """The last image does not show a scene whose values a sentence has changed before its search."""
+    out = vibed.parent / "returned"
+    words = ["--then=a bit darker", "--then=back to the first, but cooler"]
+    code, output = run_headless("run", vibed / "vibed.blend", *words, f"--out={out}", *QUICK)
+    assert code == 0, output
+    darker = next(n for n, step in enumerate(report(out)["steps"], 1) if step["sentence"] == "a bit darker")
+    assert (out / "before.png").read_bytes() != (out / f"step-{darker}.png").read_bytes()
+
+
 def test_revert_takes_all_steps_back(vibed):
     before = exposure(vibed.parent / "shot.blend")
     copy = vibed.parent / "copy.blend"

@@ -29,9 +29,6 @@ def exposed_through_air(plan: Plan, vector: ParameterVector, linear: Callable[[T
     air, film = plan.get(DENSITY), plan.get(EXPOSURE)
     if not (air and film) or not air.is_named or film.priority is None or film.is_named:
         return plan
-    (own,), (low,), (high,) = vector.instances[DENSITY].value, air.lower, air.upper
-    if own < low and air.start is None:
-        plan = Plan({**plan, DENSITY: replace(air, start=(math.sqrt(low * high),))}, plan.notes)
     home = vector.encode({})
     bounds = vector.bounds(feasible_ranges(plan, vector.instances, vector.values(home)))
     filled = project(start_point(vector, plan, home), *bounds)
@@ -45,10 +42,8 @@ def exposed_through_air(plan: Plan, vector: ParameterVector, linear: Callable[[T
     start = own + min(stops, _MOST)
     ends = (min(low, start - _AROUND),), (max(high, start + _AROUND),)
     why = "supports the words: the air takes light"
-    return Plan(
-        {**plan, EXPOSURE: replace(film, lower=ends[0], upper=ends[1], start=(start,), reason=why)},
-        plan.notes,
-    )
+    exposed = replace(film, lower=ends[0], upper=ends[1], start=(start,), reason=why)
+    return Plan({**plan, EXPOSURE: exposed}, plan.notes)
 
 
 def _lightness(linear: Tensor) -> float:

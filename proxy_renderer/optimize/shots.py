@@ -171,7 +171,9 @@ class ShotState:
         image = self.draw(u)
         now = described_now(described, self.proxy, self.vector.values(u), image)
         advice = advisor.advise(image.display, self.vector.instances, now)
-        plan = exposed_through_air(advice.plan, self.vector, lambda point: self.draw(point).linear)
+        # `self.draw` would forget the image of u
+        proxy, vector = self.corrected, self.vector
+        plan = exposed_through_air(advice.plan, vector, lambda point: draw(proxy, vector, point).linear)
         return replace(advice, plan=plan)
 
     def anchored(self, u: Tensor, number: int, slack: float = _HERE) -> ShotState:

@@ -116,6 +116,7 @@ def reason_of(attribute: Attribute, phrase: str) -> str:
 
 _OF_SHADOWS = ("size", "angle")  # their search starts well inside the range: shadow edges give weak gradients
 _WELL_INSIDE = 0.75  # share of the range from its end nearer to the artist's value, on a log scale
+_FOG = "volume/density"
 _RELATIVE = ("shade", "times", "plus", "near", "lightness")  # modes that start from the present value
 _SEEN_GLOW = 0.02  # emission above which a material visibly glows
 _GRADES = {
@@ -151,7 +152,8 @@ def plan(
         entries |= _faint(entries, planner.instances, scene.added_lights)
         support = {k: e for k, e in support.items() if k == "film/exposure" or e.prior == 0.0}
     if light.served:  # the rig sets the exposure; a limited grade keeps the contrast and colors of its light
-        if "volume/density" not in entries or not entries["volume/density"].is_named:  # fog takes light
+        fog = entries.get(_FOG)
+        if not (fog and fog.is_named):  # fog takes light, see `optimize.air_exposure`
             support.pop("film/exposure", None)
         graded = {key: ends for key, ends in _GRADES.items() if key in entries and entries[key].is_named}
         entries |= {key: _mild(entries[key], *ends) for key, ends in graded.items()}
@@ -348,4 +350,6 @@ def _start(instance: Instance, first: WishedRange, lower: Values, upper: Values)
     if instance.parameter.name in _OF_SHADOWS and moved:
         near, far = (lower, upper) if instance.value < lower else (upper, lower)
         return (near[0] ** (1 - _WELL_INSIDE) * far[0] ** _WELL_INSIDE,)
+    if instance.key == _FOG and instance.value < lower:  # at the low end hardly any fog is visible
+        return (math.sqrt(lower[0] * upper[0]),)
     return first.start and within(first.start, lower, upper)

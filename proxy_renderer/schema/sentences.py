@@ -117,7 +117,7 @@ def plain(sentence: str) -> PlainSentence:
     PlainSentence(text='more fog', factor=2.0, compared='more fog')
     """
     text = _wish(_PATTERNS["start"].sub("", _PATTERNS["tail"].sub("", " ".join(sentence.split()))))
-    factor, found = 0.0, None
+    factor = 0.0
     if found := _PATTERNS["stops"].search(text):
         clause = re.split(r"[,;.]", text[: found.start()])[-1]
         ways = (found["way"] or clause).lower().split()

@@ -13,7 +13,7 @@ from .mentions import mentions, named_objects
 from .names import fit, is_detail, is_of_surfaces, parts
 from .passage import STRUCTURES, Passage, is_object
 from .scene import NounMention, SceneIndex, is_alike, materials_of
-from .targets import SURFACE, PromptPairs, TargetPair
+from .targets import SURFACE, PromptPairs, TargetPair, sense_at
 from .types import MaterialLook, SceneDescription
 
 # a look word after one describes no noun before it: "a cup on red"
@@ -115,12 +115,8 @@ class AbsentObjects:
         token = pair.look.token
         slot = "color" if token.color else self._vocabulary.slot(token.entry) or pair.sense.slot
         # "darker" of a thing is a color, though where no thing is said it would be of the whole image
-        of_things = not {"thing", "subject", "surroundings"}.isdisjoint(
-            self._vocabulary.adjectives.get(token.adjective, ())
-        )
-        may_lack = self._scene.materials and (
-            slot in SURFACE or (of_things and pair.target.kind == "picture")
-        )
+        sense = sense_at(token, "things", self._vocabulary) if pair.target.kind == "picture" else None
+        may_lack = self._scene.materials and (slot in SURFACE or (sense and sense.way == "row"))
         own = self._own.of(pair.look.index) if may_lack else None
         return own.text if own and own.text != self.subject and self._is_absent(own) else ""
 

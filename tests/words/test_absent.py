@@ -29,6 +29,7 @@ def said(prompt, scene):
         ("red door, yellow lemons", {"yellow"}, "door"),
         ("warm light, copper kettle, glossy vase", {"warm light", "glossy"}, "kettle"),
         ("screens lit pale green, glossy vase", {"glossy"}, "screens"),
+        ("strap darker, glossy vase", {"glossy"}, "strap"),
     ],
 )
 def test_a_word_whose_object_is_not_in_the_scene_is_not_used(prompt, used, absent):

@@ -206,3 +206,18 @@ def test_what_is_said_of_lamps_is_said_of_the_light_of_what_glows() -> None:
     assert said.owners == ("Milk",)
     (said,) = parse("bench much brighter", scene).attributes
     assert not said.of_glows
+
+
+def test_a_rim_is_of_light_though_glasses_have_rims() -> None:
+    scene = SceneDescription(
+        objects={"Head": "subject", "Glasses Rims": "subject", "Hair": "subject"},
+        materials={"Skin": "subject", "Frame": "subject", "Strands": "subject"},
+        object_materials={"Head": ("Skin",), "Glasses Rims": ("Frame",), "Hair": ("Strands",)},
+        lights={
+            "Key Light": LightDescription("AREA", "key"),
+            "Rim Light": LightDescription("AREA", "rim", 150.0),
+        },
+    )
+    for prompt in ("teal rim", "teal rim on her hair from the right"):
+        (teal,) = (a for a in parse(prompt, scene).attributes if a.word == "teal")
+        assert teal.owners == (), prompt

@@ -87,7 +87,8 @@ def go_on(
         args = copy(args)
         args.prompt, args.like, args.goals, args.like_only, args.variants = change.sentence, "", "", [], 1
         args.target = args.target if change.first else []
-        run_one(HeadlessVibe(args, reporter, engine, change, shown), args.then)
+        as_it_is = None if change.values else shown  # values that are written first change the image
+        run_one(HeadlessVibe(args, reporter, engine, change, as_it_is), args.then)
         return
     with Outputs(args.out) as out:
         skipped = bindings.write(scene, change.values, (), steps.pivot)
