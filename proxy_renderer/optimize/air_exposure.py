@@ -41,7 +41,7 @@ def exposed_through_air(plan: Plan, vector: ParameterVector, linear: Callable[[T
     (own,), (low,), (high,) = vector.instances[EXPOSURE].value, film.lower, film.upper
     start = own + min(stops, _MOST)
     ends = (min(low, start - _AROUND),), (max(high, start + _AROUND),)
-    why = "supports the words: the air takes light"
+    why = "supports the words: fog takes light"
     exposed = replace(film, lower=ends[0], upper=ends[1], start=(start,), reason=why)
     return Plan({**plan, EXPOSURE: exposed}, plan.notes)
 
