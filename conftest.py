@@ -6,9 +6,7 @@ import os
 from jaxtyping import install_import_hook
 
 os.environ.pop("VIBE_VLM_MODEL", None)
-if workers := int(
-    os.environ.get("PYTEST_XDIST_WORKER_COUNT", 0)
-):  # before torch is imported, and for the engines
+if workers := int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", 0)):  # before torch is imported, and for the engines
     os.environ.setdefault("OMP_NUM_THREADS", str(max(1, (os.cpu_count() or 1) // workers)))
 # Shapes of what has jaxtyping's annotations are checked in tests, not in the product.
 install_import_hook(

@@ -13,9 +13,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 def notes(changelog: str, version: str) -> str:
     """The text below `## [version]`, up to the next version; empty where there is none."""
-    entry = re.search(
-        rf"^## \[?{re.escape(version)}\]?[^\n]*\n(.*?)(?=^## |^\[[^\]]+\]: |\Z)", changelog, re.M | re.S
-    )
+    entry = re.search(rf"^## \[?{re.escape(version)}\]?[^\n]*\n(.*?)(?=^## |^\[[^\]]+\]: |\Z)", changelog, re.M | re.S)
     return entry[1].strip() if entry else ""
 
 

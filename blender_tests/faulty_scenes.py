@@ -175,12 +175,7 @@ def geometry_nodes(scene: Scene, subject: Object) -> None:
     group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
     grid, points, box, out = (
         group.nodes.new(kind)
-        for kind in (
-            "GeometryNodeMeshGrid",
-            "GeometryNodeInstanceOnPoints",
-            "GeometryNodeMeshCube",
-            "NodeGroupOutput",
-        )
+        for kind in ("GeometryNodeMeshGrid", "GeometryNodeInstanceOnPoints", "GeometryNodeMeshCube", "NodeGroupOutput")
     )
     box.inputs["Size"].default_value = (0.2, 0.2, 0.2)
     grid.inputs["Size X"].default_value = grid.inputs["Size Y"].default_value = 2.0
@@ -396,14 +391,9 @@ def lamp_nodes(scene: Scene, subject: Object) -> None:
         lamp = light(scene, "POINT", (1.5 - number * 3.0, -1.0, 1.0)).data
         compat.enable_nodes(lamp)
         glow = next(n for n in lamp.node_tree.nodes if n.type == "EMISSION")
-        glow.inputs["Strength"].default_value, glow.inputs["Color"].default_value = (
-            strength,
-            (0.2, 0.3, 1.0, 1.0),
-        )
+        glow.inputs["Strength"].default_value, glow.inputs["Color"].default_value = (strength, (0.2, 0.3, 1.0, 1.0))
         if network:
-            lamp.node_tree.links.new(
-                lamp.node_tree.nodes.new("ShaderNodeTexNoise").outputs[0], glow.inputs[1]
-            )
+            lamp.node_tree.links.new(lamp.node_tree.nodes.new("ShaderNodeTexNoise").outputs[0], glow.inputs[1])
 
 
 def scaled_lamps(scene: Scene, subject: Object) -> None:
@@ -430,9 +420,7 @@ def lost_lamp(scene: Scene, subject: Object) -> None:
 def a_hundred_lights(scene: Scene, subject: Object) -> None:
     """Ten by ten lamps."""
     for number in range(100):
-        light(
-            scene, ("POINT", "AREA", "SPOT", "SUN")[number % 4], (number % 10 - 5.0, number // 10 - 5.0, 4.0)
-        )
+        light(scene, ("POINT", "AREA", "SPOT", "SUN")[number % 4], (number % 10 - 5.0, number // 10 - 5.0, 4.0))
 
 
 # --- sizes ------------------------------------------------------------------------------------------

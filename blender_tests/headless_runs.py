@@ -13,15 +13,7 @@ from model_server import KEY, MODEL
 ROOT = Path(__file__).parents[1]
 BATCH_PY = ROOT / "addon" / "vibe_render" / "batch.py"
 QUICK = ["--rounds=1", "--steps=2", "--size=48", "--samples=2"]
-FILES = {
-    "before.png",
-    "predicted.png",
-    "after.png",
-    "compare.png",
-    "vibed.blend",
-    "preset.json",
-    "report.json",
-}
+FILES = {"before.png", "predicted.png", "after.png", "compare.png", "vibed.blend", "preset.json", "report.json"}
 
 
 def run_headless(*arguments, **variables):

@@ -147,10 +147,7 @@ def _map() -> bpy.types.Image:
     """Land and sea from a few waves."""
     v, u = np.meshgrid(np.linspace(-1, 1, 256), np.linspace(0, 2 * np.pi, 512, endpoint=False), indexing="ij")
     waves = (
-        np.sin(2 * u + 3 * v)
-        + np.sin(3 * u - 4 * v + 1)
-        + 0.6 * np.sin(5 * u + 7 * v)
-        + 0.4 * np.sin(9 * u - 8 * v)
+        np.sin(2 * u + 3 * v) + np.sin(3 * u - 4 * v + 1) + 0.6 * np.sin(5 * u + 7 * v) + 0.4 * np.sin(9 * u - 8 * v)
     )
     land = 1 / (1 + np.exp(-12 * (waves - 0.4)))[..., None]
     ice = np.clip((np.abs(v) - 0.8) * 12, 0, 1)[..., None]
@@ -164,9 +161,7 @@ def _sky() -> bpy.types.Image:
     v, u = np.meshgrid((np.arange(height) + 0.5) / height, (np.arange(width) + 0.5) / width, indexing="ij")
     up = np.clip((v - 0.5) * 6 + 0.5, 0, 1)[..., None]
     sky = np.array([0.35, 0.50, 0.75]) * (1.3 - v[..., None])
-    glow = np.exp(-(((u - 0.3) / 0.08) ** 2 + ((v - 0.58) / 0.08) ** 2))[..., None] * np.array(
-        [9.0, 6.0, 3.0]
-    )
+    glow = np.exp(-(((u - 0.3) / 0.08) ** 2 + ((v - 0.58) / 0.08) ** 2))[..., None] * np.array([9.0, 6.0, 3.0])
     return _image("Sky", up * sky + (1 - up) * np.array([0.10, 0.08, 0.06]) + glow, is_float=True)
 
 
@@ -239,9 +234,7 @@ def _finish(name: str, stuff: bpy.types.Material, smooth: bool = True) -> None:
         thing.data.set_sharp_from_angle(angle=0.7)
 
 
-def _light(
-    name: str, kind: str, place: tuple, target: tuple, energy: float, color: tuple, **more: float
-) -> None:
+def _light(name: str, kind: str, place: tuple, target: tuple, energy: float, color: tuple, **more: float) -> None:
     lamp = bpy.data.lights.new(name, kind)
     lamp.energy, lamp.color = energy, color
     for key, value in more.items():

@@ -42,9 +42,7 @@ class Studio:
     def shoot(self, clear=False, **values):
         """The picture at these values; names have "__" for the slash."""
         wanted = {key.replace("__", "/"): (v if isinstance(v, tuple) else (v,)) for key, v in values.items()}
-        left = bindings.write(
-            self.scene, self.start | wanted, self.job.analysis.objects, self.job.analysis.pivot
-        )
+        left = bindings.write(self.scene, self.start | wanted, self.job.analysis.objects, self.job.analysis.pivot)
         assert not [key for key in left if key in wanted], left
         for old in self.folder.glob("*.png"):
             old.unlink()

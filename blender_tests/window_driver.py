@@ -79,9 +79,7 @@ def ways_out(screen):
         yield from screen.away()
         screen.shoot(name)
         if name in ("stop", "esc"):
-            observed[f"{name}_takes_the_best"] = (
-                snapshot.exists(bpy.context.scene) and not addon_state.failure
-            )
+            observed[f"{name}_takes_the_best"] = snapshot.exists(bpy.context.scene) and not addon_state.failure
             yield from screen.undo()
             yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 30, f"undo of {name}")
             yield 0.7
@@ -183,9 +181,7 @@ def questions(screen):
     bpy.ops.ed.undo_push(message="Share")
     for answer in ("ALL", "SINGLE"):
         yield from screen.click_on("vibe.run", 312)
-        yield from screen.wait(
-            lambda: addon_state.session and addon_state.session.question, 120, "the question"
-        )
+        yield from screen.wait(lambda: addon_state.session and addon_state.session.question, 120, "the question")
         yield from screen.away()
         screen.shoot(f"question_{answer.lower()}")
         observed["asked_about"] = list(addon_state.session.question)
@@ -193,15 +189,10 @@ def questions(screen):
         yield from screen.wait(lambda: not addon_state.running, 900, "the answered vibe ends")
         yield from screen.away()
         screen.shoot(f"answered_{answer.lower()}")
-        one = (
-            bpy.data.objects["Plane"].data.materials[0]
-            == bpy.data.objects["Suzanne"].material_slots[0].material
-        )
+        one = bpy.data.objects["Plane"].data.materials[0] == bpy.data.objects["Suzanne"].material_slots[0].material
         observed[f"answer_{answer.lower()}"] = one == (answer == "ALL") and not addon_state.failure
         yield from screen.undo()
-        yield from screen.wait(
-            lambda: not snapshot.exists(bpy.context.scene), 60, "undo of the answered vibe"
-        )
+        yield from screen.wait(lambda: not snapshot.exists(bpy.context.scene), 60, "undo of the answered vibe")
         bpy.context.scene.vibe.shared = "ASK"
         yield 0.5
 

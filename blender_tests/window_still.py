@@ -70,7 +70,5 @@ def dusk(path):
 def choose(screen, place):
     """Clicks one of the places that a picture may come from."""
     settings = bpy.context.scene.vibe
-    yield from screen.click_on(
-        "vibe.like_from", HEADER + 31, ({"FILE": 0.3, "IMAGE": 0.55, "SLOT": 0.85}[place],)
-    )
+    yield from screen.click_on("vibe.like_from", HEADER + 31, ({"FILE": 0.3, "IMAGE": 0.55, "SLOT": 0.85}[place],))
     yield from screen.wait(lambda: settings.like_from == place, 30, place)

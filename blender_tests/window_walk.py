@@ -43,9 +43,7 @@ def bundle_packages(root: Path, folder: Path) -> None:
     """Puts the packages that official builds of Blender bring along into a folder."""
     version = os.readlink(root / "usr/bin/python3").removeprefix("python")
     options = ["--python-version", version, "--only-binary=:all:", "--no-compile", "--target", folder]
-    done = subprocess.run(
-        [sys.executable, "-m", "pip", "install", "-q", *options, *_BUNDLED], capture_output=True
-    )
+    done = subprocess.run([sys.executable, "-m", "pip", "install", "-q", *options, *_BUNDLED], capture_output=True)
     if done.returncode:
         pytest.skip(f"needs {' and '.join(_BUNDLED)} for Blender's Python {version}, from pip")
 

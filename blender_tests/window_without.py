@@ -77,9 +77,7 @@ def a_preset(screen):
     from bl_ext.user_default.vibe_render.looks import library
     from bl_ext.user_default.vibe_render.scene import snapshot
 
-    shutil.rmtree(
-        library.preset_folder(), ignore_errors=True
-    )  # so that ours are at the same places every time
+    shutil.rmtree(library.preset_folder(), ignore_errors=True)  # so that ours are at the same places every time
     top = yield from header(screen, 79, "vibe.look_for_engine", 375)
     yield from screen.click_at(top + 110, 0.45)  # Browse; nothing tells that its grid is there
     yield 1.5

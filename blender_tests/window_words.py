@@ -12,9 +12,7 @@ def words(screen):
     settings.prompt = "glossy red monkey"
     addon_state.engine(bpy.context).start()
     screen.sidebar.tag_redraw()
-    yield from screen.wait(
-        lambda: addon_state.readings.newest.prompt == settings.prompt, 300, "words are read"
-    )
+    yield from screen.wait(lambda: addon_state.readings.newest.prompt == settings.prompt, 300, "words are read")
     yield 1.0
     screen.shoot("marks")
     yield from screen.click_on("vibe.reading", 143, (0.12, 0.3, 0.5))
@@ -25,9 +23,7 @@ def words(screen):
     screen.press("Return")
     yield from screen.wait(lambda: len(settings.targets), 60, "the choice is kept")
     screen.observed["told"] = settings.target_pairs()
-    yield from screen.wait(
-        lambda: not addon_state.readings.due(bpy.context.scene), 60, "words are read again"
-    )
+    yield from screen.wait(lambda: not addon_state.readings.due(bpy.context.scene), 60, "words are read again")
     screen.observed["states"] = {word.text: word.state for word in addon_state.readings.newest.words}
     yield 1.0
     screen.shoot("told")
@@ -45,9 +41,7 @@ def words(screen):
     settings.prompt = "glosy monkey, flubbery light"
     screen.sidebar.tag_redraw()
     yield from screen.away()
-    yield from screen.wait(
-        lambda: addon_state.readings.newest.prompt == settings.prompt, 60, "unknown words are read"
-    )
+    yield from screen.wait(lambda: addon_state.readings.newest.prompt == settings.prompt, 60, "unknown words are read")
     yield 1.0
     screen.shoot("unknown")
     screen.observed["unknown"] = {word.text: word.state for word in addon_state.readings.newest.words}

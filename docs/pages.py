@@ -68,9 +68,7 @@ def other_options() -> str:
     ]
     for name, sub in nested(subparser("vocabulary")).items():
         rows += [
-            (f"`vibe vocabulary {name}`", f"`{called(a)}`", a.help or "")
-            for a in own(sub)
-            if a.dest not in shared
+            (f"`vibe vocabulary {name}`", f"`{called(a)}`", a.help or "") for a in own(sub) if a.dest not in shared
         ]
     return table(("command", "argument or option", "meaning"), *rows)
 
@@ -98,9 +96,7 @@ def cheat_sheet() -> str:
     vocabulary = shipped_vocabulary()
     names = {kind: [e.name for e in vocabulary.entries.values() if e.slot == kind] for kind in KINDS}
     lines = [listed(title, names[kind]) for kind, title in KINDS.items()]
-    lines.append(
-        listed("Colors", [name for name in vocabulary.colors if " " not in name], len(vocabulary.colors))
-    )
+    lines.append(listed("Colors", [name for name in vocabulary.colors if " " not in name], len(vocabulary.colors)))
     wordings = sum(len(entry.words) for entry in vocabulary.entries.values())
     count = f"{len(vocabulary.entries)} looks in {wordings:,} wordings, and {len(vocabulary.colors)} names of colors"
     return f"The vocabulary has {count}.\n\n" + "\n".join(lines)
@@ -108,9 +104,7 @@ def cheat_sheet() -> str:
 
 def listed(title: str, names: list[str], count: int = 0) -> str:
     """A line with some of the names; those that only a definition needs ("dry surface") are left out."""
-    shown = sorted(
-        name for name in names if not re.search(r"\d|surface|material|surroundings|metal$|gem$|sky$", name)
-    )
+    shown = sorted(name for name in names if not re.search(r"\d|surface|material|surroundings|metal$|gem$|sky$", name))
     return f"- **{title}** ({count or len(names)}): {', '.join(spread(shown, WORDS_EACH))}"
 
 
@@ -145,9 +139,7 @@ def called(action: argparse.Action) -> str:
     name = action.option_strings[-1] if action.option_strings else ""
     if action.nargs == 0:
         return name
-    value = action.metavar or (
-        "{" + ",".join(map(str, action.choices)) + "}" if action.choices else action.dest
-    )
+    value = action.metavar or ("{" + ",".join(map(str, action.choices)) + "}" if action.choices else action.dest)
     return f"{name} {value}".strip()
 
 
@@ -166,9 +158,7 @@ def written_anew(page: str, text: str) -> str:
     for name, (where, make) in PARTS.items():
         if where == page:
             new = f"<!-- {name} -->\n{make()}\n<!-- /{name} -->"
-            text, found = re.subn(
-                rf"<!-- {name} -->\n.*?<!-- /{name} -->", lambda _, new=new: new, text, flags=re.S
-            )
+            text, found = re.subn(rf"<!-- {name} -->\n.*?<!-- /{name} -->", lambda _, new=new: new, text, flags=re.S)
             assert found == 1, name
     return text
 

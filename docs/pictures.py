@@ -78,11 +78,7 @@ FAILURES = {
 }
 """The same of results that are not worth keeping."""
 
-PANEL = {
-    "marks": (904, 160, 1420, 712),
-    "result": (904, 160, 1420, 1630),
-    "changes": (904, 160, 1420, 1630),
-}
+PANEL = {"marks": (904, 160, 1420, 712), "result": (904, 160, 1420, 1630), "changes": (904, 160, 1420, 1630)}
 """Screenshots of panel.jpg, from left to right, and what is cut out of each: left, top, right, bottom."""
 
 PROGRESS = (0, 25, 1185, 815)
@@ -146,12 +142,7 @@ def panel(shots: Path) -> None:
 
 def first_look(shots: Path) -> None:
     """A vibe from the words to the result, as an animation: the panel, and the scene before and after."""
-    stages = [
-        ("marks", "bust-before"),
-        ("running", "bust-before"),
-        ("search", "bust-before"),
-        ("result", "bust"),
-    ]
+    stages = [("marks", "bust-before"), ("running", "bust-before"), ("search", "bust-before"), ("result", "bust")]
     frames = []
     for name, render in stages:
         if not (found := sorted(shots.glob(f"*_{name}.png"))):

@@ -181,13 +181,7 @@ def boxes(
 
 
 def box(
-    name: str,
-    size: Point,
-    place: Point,
-    stuff: Stuff,
-    bevel: float = 0.01,
-    turn: float = 0.0,
-    round_: int = 2,
+    name: str, size: Point, place: Point, stuff: Stuff, bevel: float = 0.01, turn: float = 0.0, round_: int = 2
 ) -> bpy.types.Object:
     """A box with beveled edges around its own origin, turned about the vertical by degrees."""
     made = boxes(name, [(size, (0, 0, 0))], stuff, bevel, round_)
@@ -243,12 +237,7 @@ def weld(made: bpy.types.Object) -> None:
 
 
 def turned(
-    name: str,
-    profile: Sequence[tuple[float, float]],
-    place: Point,
-    stuff: Stuff,
-    steps: int = 32,
-    level: int = 0,
+    name: str, profile: Sequence[tuple[float, float]], place: Point, stuff: Stuff, steps: int = 32, level: int = 0
 ) -> bpy.types.Object:
     """A profile of (radius, height) turned around the vertical; `level` rounds it by subdivision."""
 
@@ -295,9 +284,7 @@ def tube(
     return add(bpy.data.objects.new(name, data))
 
 
-def ball(
-    name: str, radii: Point, place: Point, stuff: Stuff, columns: int = 24, rows: int = 12
-) -> bpy.types.Object:
+def ball(name: str, radii: Point, place: Point, stuff: Stuff, columns: int = 24, rows: int = 12) -> bpy.types.Object:
     """An ellipsoid."""
 
     def point(u: float, v: float) -> Point:

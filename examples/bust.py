@@ -101,11 +101,7 @@ def head() -> None:
         x = 0.094 * (2 * u - 1)
         share = 1 - (2 * u - 1) ** 2
         bow = 0.011 * math.exp(-((x / 0.02) ** 2))
-        z = (
-            1.309
-            + share * (0.034 * max(0.0, 2 * v - 1) ** 0.9 - 0.038 * max(0.0, 1 - 2 * v) ** 0.9)
-            - bow * (v > 0.9)
-        )
+        z = 1.309 + share * (0.034 * max(0.0, 2 * v - 1) ** 0.9 - 0.038 * max(0.0, 1 - 2 * v) ** 0.9) - bow * (v > 0.9)
         z += 0.012 * (1 - share)
         target = Vector((x, -0.5, z)) - CENTER
         spot = surface(face, target.normalized())
@@ -126,8 +122,7 @@ def head() -> None:
             f"Earring {name}",
             (0.032, 0.032, 0.032),
             (side * 0.475, 0.0, 1.355),
-            b.bpy.data.materials.get("Earring Gold")
-            or b.material("Earring Gold", "#c49a4e", 0.2, metallic=1.0),
+            b.bpy.data.materials.get("Earring Gold") or b.material("Earring Gold", "#c49a4e", 0.2, metallic=1.0),
             20,
             12,
         )
@@ -135,10 +130,7 @@ def head() -> None:
 
 def eyes() -> None:
     """Eyeballs, irises, pupils, lids, lashes."""
-    white, iris = (
-        b.material("Eye White", "#d9d5d0", 0.15, coat=0.8),
-        b.material("Iris", "#5b7a6a", 0.2, coat=1.0),
-    )
+    white, iris = (b.material("Eye White", "#d9d5d0", 0.15, coat=0.8), b.material("Iris", "#5b7a6a", 0.2, coat=1.0))
     pupil, lash = b.material("Pupil", "#0b0b0b", 0.05, coat=1.0), b.material("Lashes", "#1e1411", 0.7)
     skin = b.existing("Skin")
     for side in (-1, 1):
@@ -164,9 +156,7 @@ def eyes() -> None:
             return r * math.sin(lon) * math.cos(lat), -r * math.cos(lon) * math.cos(lat), r * math.sin(lat)
 
         parts.append(b.sheet(f"Upper Lid {name}", lambda u, v: lid(u, v, True), 24, 8, skin, thickness=0.006))
-        parts.append(
-            b.sheet(f"Lower Lid {name}", lambda u, v: lid(u, v, False), 24, 8, skin, thickness=0.006)
-        )
+        parts.append(b.sheet(f"Lower Lid {name}", lambda u, v: lid(u, v, False), 24, 8, skin, thickness=0.006))
         rim = [[Vector(lid(0.05 + 0.9 * i / 6, 0.0, True)) * 1.03 for i in range(7)]]
         parts.append(b.tube(f"Lashes {name}", rim, 0.009, lash, [0.5, *[1.0] * 5, 0.5]))
         carrier = b.group(f"Eye {name}", parts, (side * EYE[0], EYE[1], EYE[2]))
@@ -191,9 +181,7 @@ def hair() -> None:
         lat = low + (math.pi / 2 - low) * v
         way = Vector((math.cos(lat) * math.cos(lon), math.cos(lat) * math.sin(lon), math.sin(lat)))
         spot = surface(cap, way)
-        groove = 0.012 * math.sin(26 * 2 * math.pi * u) * (1 - v) + 0.006 * math.sin(41 * 2 * math.pi * u) * (
-            1 - v
-        )
+        groove = 0.012 * math.sin(26 * 2 * math.pi * u) * (1 - v) + 0.006 * math.sin(41 * 2 * math.pi * u) * (1 - v)
         part = 0.03 * math.exp(-(((spot.x - 0.17) / 0.03) ** 2)) * (spot.y < 0.25) * v
         return spot + way * (groove - part)
 
@@ -269,26 +257,14 @@ def glasses() -> None:
     b.tube("Glasses Rims", rings, 0.0125, frame, closed=True).data.resolution_u = 3
     b.tube(
         "Glasses Bridge",
-        [
-            [
-                (-0.055, y + 0.002, 1.6),
-                (-0.02, y - 0.012, 1.628),
-                (0.02, y - 0.012, 1.628),
-                (0.055, y + 0.002, 1.6),
-            ]
-        ],
+        [[(-0.055, y + 0.002, 1.6), (-0.02, y - 0.012, 1.628), (0.02, y - 0.012, 1.628), (0.055, y + 0.002, 1.6)]],
         0.0125,
         frame,
     )
     b.tube(
         "Glasses Temples",
         [
-            [
-                (s * 0.378, y + 0.03, 1.62),
-                (s * 0.45, -0.42, 1.625),
-                (s * 0.485, -0.1, 1.62),
-                (s * 0.47, 0.08, 1.56),
-            ]
+            [(s * 0.378, y + 0.03, 1.62), (s * 0.45, -0.42, 1.625), (s * 0.485, -0.1, 1.62), (s * 0.47, 0.08, 1.56)]
             for s in (-1, 1)
         ],
         0.011,
@@ -321,14 +297,7 @@ def clothes() -> None:
     """A ribbed turtleneck, a coat with lapels and buttons."""
     knit = b.material("Turtleneck Knit", "#b9a78d", 0.85, sheen=0.4)
     b.pattern(
-        knit,
-        "Wave",
-        ("#a8967d", "#c4b399"),
-        turn=(0, 0, 0),
-        bump=0.5,
-        Scale=9.0,
-        bands_direction="X",
-        Distortion=0.3,
+        knit, "Wave", ("#a8967d", "#c4b399"), turn=(0, 0, 0), bump=0.5, Scale=9.0, bands_direction="X", Distortion=0.3
     )
     b.sheet("Sweater", lambda u, v: torso(u, 0.95 * v, 0.0), 48, 20, knit, closed=True)
     collar = [
@@ -346,9 +315,7 @@ def clothes() -> None:
     def fold(u: float, v: float) -> b.Point:
         at = v * (len(collar) - 1)
         first = min(int(at), len(collar) - 2)
-        radius, z = (
-            p + (q - p) * (at - first) for p, q in zip(collar[first], collar[first + 1], strict=True)
-        )
+        radius, z = (p + (q - p) * (at - first) for p, q in zip(collar[first], collar[first + 1], strict=True))
         rib = 0.006 * math.sin(33 * 2 * math.pi * u)
         angle = 2 * math.pi * u
         return (
@@ -374,9 +341,7 @@ def clothes() -> None:
             z = 0.10 + 0.84 * v
             opening = 0.006 + 0.105 * max(0.0, (z - 0.12) / 0.78) ** 0.8
             broad = (
-                0.075 * math.sin(math.pi * min(1.0, v * 1.12)) ** 0.7
-                if v < 0.62
-                else 0.03 + 0.055 * (v - 0.62) / 0.38
+                0.075 * math.sin(math.pi * min(1.0, v * 1.12)) ** 0.7 if v < 0.62 else 0.03 + 0.055 * (v - 0.62) / 0.38
             )
             turn = opening + broad * u
             return torso(turn if side > 0 else 1 - turn, z, 0.095 + 0.02 * math.sin(math.pi * u))
@@ -386,11 +351,7 @@ def clothes() -> None:
     for number, z in enumerate((0.04, 0.0), 1):
         place = torso(0.965, z, 0.1)
         button = b.turned(
-            f"Button {number}",
-            [(0, 0.012), (0.035, 0.012), (0.045, 0.018), (0.045, 0), (0, 0)],
-            place,
-            horn,
-            24,
+            f"Button {number}", [(0, 0.012), (0.035, 0.012), (0.045, 0.018), (0.045, 0), (0, 0)], place, horn, 24
         )
         button.rotation_euler.x = math.radians(90)
 

@@ -69,12 +69,10 @@ def body() -> None:
         z = middle + half * math.copysign(abs(up) ** 0.62, up)
         shoulder = 0.5 + 0.5 * math.tanh((z - middle) / 0.1)
         y *= 1 - 0.07 * shoulder * (z - middle) / half
-        y += math.copysign(0.055 * fender * math.exp(-(((z - 0.52) / 0.24) ** 2)), y) * min(
-            1.0, abs(across) * 3
+        y += math.copysign(0.055 * fender * math.exp(-(((z - 0.52) / 0.24) ** 2)), y) * min(1.0, abs(across) * 3)
+        z += 0.05 * fender * max(0.0, up) * abs(y / 0.8) ** 3 - 0.02 * max(0.0, up) * (1 - abs(y / 0.8) ** 2) * (
+            x < -0.8
         )
-        z += 0.05 * fender * max(0.0, up) * abs(y / 0.8) ** 3 - 0.02 * max(0.0, up) * (
-            1 - abs(y / 0.8) ** 2
-        ) * (x < -0.8)
         return x, y, z
 
     hull = b.sheet("Body", point, 48, 56, paint, closed=True)
@@ -149,15 +147,7 @@ def wheels() -> None:
         (0.28, 0.1),
         (0.2, 0.09),
     ]
-    disc = [
-        (0.235, -0.06),
-        (0.235, 0.085),
-        (0.215, 0.09),
-        (0.2, 0.06),
-        (0.14, 0.035),
-        (0.09, 0.06),
-        (0, 0.06),
-    ]
+    disc = [(0.235, -0.06), (0.235, 0.085), (0.215, 0.09), (0.2, 0.06), (0.14, 0.035), (0.09, 0.06), (0, 0.06)]
     cap = [(0.1, 0.055), (0.095, 0.08), (0.06, 0.098), (0, 0.105)]
     spokes = [((0.022, 0.13, 0.02), (0.0, 0.155, 0.062))]
     number = 0
@@ -186,10 +176,7 @@ def fittings() -> None:
         b.material("Headlight Glass", "#d9dcdd", 0.05, coat=1.0, metallic=0.6),
         b.material("Turn Signal Glass", "#c67a2b", 0.15, coat=1.0),
     )
-    red, black = (
-        b.material("Tail Light Glass", "#8c1d1b", 0.15, coat=1.0),
-        b.material("Black Trim", "#141414", 0.5),
-    )
+    red, black = (b.material("Tail Light Glass", "#8c1d1b", 0.15, coat=1.0), b.material("Black Trim", "#141414", 0.5))
     for name, x, ways in (("Front", -2.0, -1), ("Rear", 1.97, 1)):
         bar = [
             (x - ways * 0.42, -0.83, 0.42),
@@ -237,9 +224,7 @@ def fittings() -> None:
             0.011,
             chrome,
         )
-        mirror = b.cushion(
-            f"Mirror {name}", (0.1, 0.16, 0.1), (-0.52, side * 0.86, 0.98), b.existing("Car Paint"), 0.7
-        )
+        mirror = b.cushion(f"Mirror {name}", (0.1, 0.16, 0.1), (-0.52, side * 0.86, 0.98), b.existing("Car Paint"), 0.7)
         mirror.rotation_euler.z = side * 0.2
         b.tube(f"Mirror Arm {name}", [[(-0.5, side * 0.72, 0.88), (-0.52, side * 0.84, 0.95)]], 0.012, chrome)
         door_line(side, name, black)
@@ -252,13 +237,7 @@ def fittings() -> None:
     grille = [((0.03, 0.72, 0.012), (-2.025, 0, 0.535 + 0.035 * i)) for i in range(4)]
     b.boxes("Grille", grille, chrome, 0.004, 1)
     b.box("Grille Opening", (0.03, 0.78, 0.16), (-2.006, 0, 0.588), black, 0.02)
-    b.box(
-        "License Plate",
-        (0.012, 0.46, 0.1),
-        (-2.135, 0, 0.415),
-        b.material("Plate White", "#d2d1cb", 0.4),
-        0.004,
-    )
+    b.box("License Plate", (0.012, 0.46, 0.1), (-2.135, 0, 0.415), b.material("Plate White", "#d2d1cb", 0.4), 0.004)
     b.text("Plate Number", "VR 0220", 0.085, (-2.143, 0, 0.413), (90, 0, -90), black, 0.001)
     b.tube(
         "Wipers",
@@ -266,12 +245,7 @@ def fittings() -> None:
         0.008,
         black,
     )
-    b.tube(
-        "Hood Strip",
-        [[(-1.96, 0, 0.672), (-1.7, 0, 0.757), (-1.22, 0, 0.828), (-0.78, 0, 0.885)]],
-        0.012,
-        chrome,
-    )
+    b.tube("Hood Strip", [[(-1.96, 0, 0.672), (-1.7, 0, 0.757), (-1.22, 0, 0.828), (-0.78, 0, 0.885)]], 0.012, chrome)
 
 
 def door_line(side: int, name: str, black: b.Stuff) -> None:
@@ -305,12 +279,7 @@ def forecourt() -> None:
     b.pattern(concrete, "Brick", bump=0.3, **{"Color1": "#94908a", "Color2": "#85817b", "Mortar": "#4a4743", "Scale": 1.0, "Mortar Size": 0.012, "Brick Width": 2.4, "Row Height": 2.4})  # fmt: skip
     b.box("Forecourt", (40, 30, 0.1), (4, 0, -0.05), concrete, 0)
     plaster = b.pattern(
-        b.material("Garage Plaster", "#b0a797", 0.85),
-        "Noise",
-        ("#a69d8d", "#b8b0a1"),
-        bump=0.12,
-        Scale=2.5,
-        Detail=8.0,
+        b.material("Garage Plaster", "#b0a797", 0.85), "Noise", ("#a69d8d", "#b8b0a1"), bump=0.12, Scale=2.5, Detail=8.0
     )
     trim = b.material("Garage Trim", "#4c5557", 0.5)
     b.boxes(
@@ -326,9 +295,7 @@ def forecourt() -> None:
     )
     gate = b.material("Garage Gate", "#6b4f3c", 0.5)
     b.pattern(gate, "Noise", ("#5a4130", "#7a5c47"), (9, 9, 1.2), Scale=1.6)
-    b.boxes(
-        "Garage Gate", [((0.29, 0.08, 2.85), (-1.25 + 0.3 * i, 3.4, 1.43)) for i in range(16)], gate, 0.012, 1
-    )
+    b.boxes("Garage Gate", [((0.29, 0.08, 2.85), (-1.25 + 0.3 * i, 3.4, 1.43)) for i in range(16)], gate, 0.012, 1)
     b.boxes(
         "Gate Frame",
         [
@@ -351,10 +318,7 @@ def forecourt() -> None:
     b.tube("Wall Lamp Arm", [[(-2.6, 3.2, 2.6), (-2.6, 2.95, 2.75), (-2.6, 2.75, 2.65)]], 0.02, iron)
     b.turned("Wall Lamp Shade", [(0.03, 0.1), (0.06, 0.08), (0.2, -0.06)], (-2.6, 2.75, 2.56), iron, 32)
     b.ball(
-        "Wall Lamp Bulb",
-        (0.06, 0.06, 0.07),
-        (-2.6, 2.75, 2.5),
-        b.material("Bulb Glass", "#f0e2c8", 0.3, emission=3.0),
+        "Wall Lamp Bulb", (0.06, 0.06, 0.07), (-2.6, 2.75, 2.5), b.material("Bulb Glass", "#f0e2c8", 0.3, emission=3.0)
     )
     b.light("Wall Lamp", "POINT", (-2.6, 2.75, 2.42), (0, 0, 0), 25.0, (), "#ffe6c4", shadow_soft_size=0.06)
     planting()
@@ -362,9 +326,7 @@ def forecourt() -> None:
 
 def planting() -> None:
     """A tub with a clipped tree, a low bed with shrubs, an oil drum."""
-    leaf = b.pattern(
-        b.material("Laurel Leaves", "#3f5a35", 0.6), "Noise", ("#2c4226", "#587548"), bump=0.9, Scale=12.0
-    )
+    leaf = b.pattern(b.material("Laurel Leaves", "#3f5a35", 0.6), "Noise", ("#2c4226", "#587548"), bump=0.9, Scale=12.0)
     clay, bark = b.material("Tub Clay", "#8d5c45", 0.75), b.material("Bark", "#5a4636", 0.8)
     tub = [(0, 0), (0.26, 0), (0.33, 0.5), (0.37, 0.52), (0.37, 0.6), (0.3, 0.6), (0.28, 0.5), (0, 0.5)]
     for number, x in enumerate((-2.05, 4.05), 1):
@@ -376,11 +338,7 @@ def planting() -> None:
         def crown(u: float, v: float) -> b.Point:
             lon, lat = 2 * math.pi * u, math.pi * (v - 0.5)
             r = 0.52 + 0.03 * math.sin(9 * lon + 7 * lat) * math.cos(8 * lat)
-            return (
-                r * math.cos(lat) * math.cos(lon),
-                r * math.cos(lat) * math.sin(lon),
-                1.75 + r * math.sin(lat),
-            )
+            return (r * math.cos(lat) * math.cos(lon), r * math.cos(lat) * math.sin(lon), 1.75 + r * math.sin(lat))
 
         parts.append(b.sheet(f"Tree Crown {number}", crown, 40, 20, leaf, closed=True))
         b.group(f"Laurel Tree {number}", parts, (x, 2.75, 0))

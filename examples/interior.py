@@ -50,9 +50,7 @@ def room() -> None:
     parts = [((0.2, 6.6, 0.75), (x, -0.9, 0.375)), ((0.2, 6.6, 0.3), (x, -0.9, 2.55))]
     parts += [((0.2, 3.75, 1.65), (x, -2.325, 1.575)), ((0.2, 0.8, 1.65), (x, 1.95, 1.575))]
     b.boxes("Window Wall", parts, paint, 0)
-    b.box(
-        "Ceiling", (5.2, 6.6, 0.1), (0.4, -0.9, HEIGHT + 0.05), b.material("Ceiling Paint", "#c9c8c4", 0.9), 0
-    )
+    b.box("Ceiling", (5.2, 6.6, 0.1), (0.4, -0.9, HEIGHT + 0.05), b.material("Ceiling Paint", "#c9c8c4", 0.9), 0)
     b.boxes(
         "Skirting Boards",
         [((5.0, 0.03, 0.14), (0.4, NORTH - 0.015, 0.07)), ((0.03, 6.4, 0.14), (WEST + 0.015, -0.9, 0.07))],
@@ -130,16 +128,7 @@ def bookcase() -> None:
     for cloth, parts in zip(cloths, spines.values(), strict=True):
         b.boxes(cloth.name.replace("Cloth", "Row"), parts, cloth, 0.003, 1)
     glaze = b.material("Ceramic Glaze", "#b7ada0", 0.3, coat=0.4)
-    vase = [
-        (0, 0),
-        (0.05, 0),
-        (0.085, 0.06),
-        (0.085, 0.12),
-        (0.035, 0.2),
-        (0.03, 0.24),
-        (0.042, 0.26),
-        (0.03, 0.255),
-    ]
+    vase = [(0, 0), (0.05, 0), (0.085, 0.06), (0.085, 0.12), (0.035, 0.2), (0.03, 0.24), (0.042, 0.26), (0.03, 0.255)]
     b.turned("Vase", vase, (0.95, y, top + 0.015), glaze, level=1)
     bowl = [(0, 0.0), (0.06, 0.0), (0.13, 0.07), (0.12, 0.07), (0.05, 0.02), (0, 0.02)]
     b.turned("Bowl", bowl, (1.95, y, top + 0.015), glaze, level=1)
@@ -204,12 +193,8 @@ def side_table() -> None:
             0.006,
             porcelain,
         ),
-        b.box(
-            "Book Below", (0.17, 0.24, 0.03), (0.08, 0.05, 0.546), b.existing("Book Cloth Slate"), 0.004, 20
-        ),
-        b.box(
-            "Book Above", (0.15, 0.21, 0.026), (0.08, 0.05, 0.575), b.existing("Book Cloth Rust"), 0.004, -8
-        ),
+        b.box("Book Below", (0.17, 0.24, 0.03), (0.08, 0.05, 0.546), b.existing("Book Cloth Slate"), 0.004, 20),
+        b.box("Book Above", (0.15, 0.21, 0.026), (0.08, 0.05, 0.575), b.existing("Book Cloth Rust"), 0.004, -8),
     ]
     b.group("Side Table", parts, (0.42, 0.5, 0))
 
@@ -220,16 +205,11 @@ def floor_lamp() -> None:
     shade = b.material("Lamp Shade", "#d8cdb8", 0.8, subsurface=0.0)
     b.principled(shade).inputs["Transmission Weight"].default_value = 0.35
     parts = [
-        b.turned(
-            "Lamp Base", [(0, 0), (0.15, 0), (0.15, 0.018), (0.03, 0.03), (0.0, 0.03)], (0, 0, 0), brass, 40
-        ),
+        b.turned("Lamp Base", [(0, 0), (0.15, 0), (0.15, 0.018), (0.03, 0.03), (0.0, 0.03)], (0, 0, 0), brass, 40),
         b.tube("Lamp Pole", [[(0, 0, 0.02), (0, 0, 1.55)]], 0.011, brass),
         b.turned("Lamp Shade", [(0.235, 1.38), (0.165, 1.7)], (0, 0, 0), shade, 40),
         b.ball(
-            "Lamp Bulb",
-            (0.035, 0.035, 0.045),
-            (0, 0, 1.52),
-            b.material("Bulb Glass", "#e8e2d6", 0.3, emission=2.0),
+            "Lamp Bulb", (0.035, 0.035, 0.045), (0, 0, 1.52), b.material("Bulb Glass", "#e8e2d6", 0.3, emission=2.0)
         ),
         b.light("Floor Lamp", "POINT", (0, 0, 1.52), (0, 0, 0), 9.0, shadow_soft_size=0.05),
     ]
@@ -240,23 +220,12 @@ def plant() -> None:
     """A rubber plant in a clay pot in the corner by the window."""
     random.seed(3)
     clay = b.pattern(b.material("Clay Pot", "#a8643f", 0.8), "Noise", ("#96583a", "#b5734f"), Scale=9.0)
-    pot = [
-        (0, 0),
-        (0.13, 0),
-        (0.17, 0.27),
-        (0.185, 0.27),
-        (0.185, 0.31),
-        (0.16, 0.31),
-        (0.15, 0.26),
-        (0, 0.26),
-    ]
+    pot = [(0, 0), (0.13, 0), (0.17, 0.27), (0.185, 0.27), (0.185, 0.31), (0.16, 0.31), (0.15, 0.26), (0, 0.26)]
     leaf = b.material("Leaf", "#40603a", 0.32, coat=0.2)
     stem = b.material("Stem", "#5d4a36", 0.7)
     parts = [b.turned("Plant Pot", pot, (0, 0, 0), clay, 40)]
     tips = [(0.04, 0.05, 1.25), (-0.12, -0.08, 1.0), (0.15, -0.1, 0.95)]
-    parts.append(
-        b.tube("Plant Stems", [[(0, 0, 0.25), (t[0] * 0.3, t[1] * 0.3, 0.6), t] for t in tips], 0.012, stem)
-    )
+    parts.append(b.tube("Plant Stems", [[(0, 0, 0.25), (t[0] * 0.3, t[1] * 0.3, 0.6), t] for t in tips], 0.012, stem))
 
     def blade(u: float, v: float) -> b.Point:
         width = 0.065 * math.sin(math.pi * v**0.8) ** 0.8

@@ -56,12 +56,8 @@ def terrain() -> None:
     b.pattern(land, "Noise", ("#2f3f22", "#5c6a38", "#8f8550"), Scale=0.11, Detail=9.0, bump=0.5)
     b.sheet("Hills", lambda u, v: ground(-85 + 170 * u, -26 + 126 * v), 70, 54, land)
     rock = b.material("Mountain Rock", "#6d7073", 0.9)
-    snow_line(
-        b.pattern(rock, "Noise", ("#4d5459", "#7b7d7c"), (1, 1, 2.2), bump=1.0, Scale=0.12, Detail=10.0)
-    )
-    b.sheet(
-        "Mountains", lambda u, v: ground(-190 + 380 * u, 96 + 130 * v, 1.2 if v < 0.03 else 0.0), 92, 32, rock
-    )
+    snow_line(b.pattern(rock, "Noise", ("#4d5459", "#7b7d7c"), (1, 1, 2.2), bump=1.0, Scale=0.12, Detail=10.0))
+    b.sheet("Mountains", lambda u, v: ground(-190 + 380 * u, 96 + 130 * v, 1.2 if v < 0.03 else 0.0), 92, 32, rock)
 
 
 def snow_line(rock: b.Stuff) -> None:
@@ -111,11 +107,7 @@ def conifer(name: str, stuff: b.Stuff, layers: int) -> b.bpy.types.Object:
         radius, z = profile[round(v * (len(profile) - 1))]
         ragged = 1 + 0.22 * math.sin(3 * 2 * math.pi * u + 2.4 * z) * (radius > 0.7)
         angle = 2 * math.pi * u + 0.35 * z
-        return (
-            radius * ragged * math.cos(angle),
-            radius * ragged * math.sin(angle),
-            z - 0.25 * (ragged - 1) * radius,
-        )
+        return (radius * ragged * math.cos(angle), radius * ragged * math.sin(angle), z - 0.25 * (ragged - 1) * radius)
 
     return b.sheet(name, point, 8, len(profile) - 1, stuff, closed=True)
 
@@ -123,20 +115,10 @@ def conifer(name: str, stuff: b.Stuff, layers: int) -> b.bpy.types.Object:
 def trees() -> None:
     """Conifers on the slopes, denser away from the shore, and a few near the camera."""
     needles = b.pattern(
-        b.material("Spruce Needles", "#2f4330", 0.9),
-        "Noise",
-        ("#22341f", "#435b3a"),
-        bump=0.9,
-        Scale=2.4,
-        Detail=6.0,
+        b.material("Spruce Needles", "#2f4330", 0.9), "Noise", ("#22341f", "#435b3a"), bump=0.9, Scale=2.4, Detail=6.0
     )
     light = b.pattern(
-        b.material("Larch Needles", "#5b6a37", 0.9),
-        "Noise",
-        ("#4a5a2c", "#77804a"),
-        bump=0.9,
-        Scale=2.4,
-        Detail=6.0,
+        b.material("Larch Needles", "#5b6a37", 0.9), "Noise", ("#4a5a2c", "#77804a"), bump=0.9, Scale=2.4, Detail=6.0
     )
     kinds = [conifer("Spruce", needles, 5), conifer("Larch", light, 4)]
     count, tries = 0, 0
@@ -148,9 +130,7 @@ def trees() -> None:
             continue
         count += 1
         kind = kinds[random.random() < 0.25]
-        b.copy(
-            kind, f"{kind.name} {count}", (x, y, z - 0.3), random.uniform(0.45, 1.0), random.uniform(0, 360)
-        )
+        b.copy(kind, f"{kind.name} {count}", (x, y, z - 0.3), random.uniform(0.45, 1.0), random.uniform(0, 360))
     for x, y, size in (
         (-13.5, -3.5, 0.95),
         (-15.5, 1.5, 1.15),
@@ -169,16 +149,12 @@ def cabin() -> None:
     log = b.material("Cabin Logs", "#6b4a33", 0.75)
     b.pattern(log, "Noise", ("#523724", "#7d5a40"), (0.6, 3, 6), Scale=1.6)
     shingle = b.pattern(b.material("Roof Shingles", "#43382f", 0.8), "Brick", bump=0.6, turn=(math.pi / 2, 0, 0), **{"Color1": "#4a3e34", "Color2": "#382e27", "Mortar": "#1d1814", "Scale": 1.0, "Brick Width": 0.35, "Row Height": 0.3, "Mortar Size": 0.015})  # fmt: skip
-    stone = b.pattern(
-        b.material("Chimney Stone", "#77746e", 0.85), "Voronoi", ("#5c5a56", "#85827b"), Scale=3.0
-    )
+    stone = b.pattern(b.material("Chimney Stone", "#77746e", 0.85), "Voronoi", ("#5c5a56", "#85827b"), Scale=3.0)
     pane = b.material("Cabin Window", "#f0cf97", 0.3, emission=1.2)
     frame = b.material("Cabin Trim", "#a99d8a", 0.6)
     walls = [((5.2, 0.26, 0.27), (0, s * 2.0, 0.5 + 0.26 * i)) for i in range(9) for s in (-1, 1)]
     walls += [((0.26, 4.2, 0.27), (s * 2.5, 0, 0.5 + 0.26 * i)) for i in range(9) for s in (-1, 1)]
-    walls += [
-        ((0.24, 4.0 * (1 - i / 6.2), 0.27), (s * 2.5, 0, 2.84 + 0.26 * i)) for i in range(6) for s in (-1, 1)
-    ]
+    walls += [((0.24, 4.0 * (1 - i / 6.2), 0.27), (s * 2.5, 0, 2.84 + 0.26 * i)) for i in range(6) for s in (-1, 1)]
     parts = [b.boxes("Cabin Walls", walls, log, 0.09, 1)]
     for side, name in ((-1, "Front"), (1, "Back")):
         roof = b.box(f"Cabin Roof {name}", (6.2, 3.1, 0.14), (0, side * 1.22, 3.65), shingle, 0.02)
@@ -233,20 +209,13 @@ def jetty() -> None:
 def shore() -> None:
     """Stones and reeds along the near shore."""
     stone = b.pattern(
-        b.material("Shore Stone", "#77756f", 0.8),
-        "Noise",
-        ("#56554f", "#8f8c84"),
-        bump=0.6,
-        Scale=2.0,
-        Detail=7.0,
+        b.material("Shore Stone", "#77756f", 0.8), "Noise", ("#56554f", "#8f8c84"), bump=0.6, Scale=2.0, Detail=7.0
     )
     first = b.ball("Stone", (0.6, 0.5, 0.34), (0, 0, 0), stone, 14, 8)
     for count in range(26):
         x = random.uniform(-9, 12)
         y = next((y / 4 for y in range(-72, 20) if height(x, y / 4) < 0.12), -9.0) + random.gauss(0, 0.5)
-        other = b.copy(
-            first, f"Stone {count + 1}", (x, y, 0.02), random.uniform(0.25, 1.3), random.uniform(0, 360)
-        )
+        other = b.copy(first, f"Stone {count + 1}", (x, y, 0.02), random.uniform(0.25, 1.3), random.uniform(0, 360))
         other.rotation_euler.x = random.uniform(-0.3, 0.3)
     b.bpy.data.objects.remove(first)
     reed = b.material("Reed", "#7d7a45", 0.85)
@@ -259,13 +228,7 @@ def shore() -> None:
             tips.append(stalks[-1][-1])
     made = b.tube("Reeds", stalks, 0.016, reed, (1.0, 0.8, 0.3))
     made.data.bevel_resolution, made.data.resolution_u = 0, 1
-    b.boxes(
-        "Cattails",
-        [((0.06, 0.06, 0.24), t) for t in tips[::4]],
-        b.material("Cattail", "#4a3222", 0.9),
-        0.02,
-        1,
-    )
+    b.boxes("Cattails", [((0.06, 0.06, 0.24), t) for t in tips[::4]], b.material("Cattail", "#4a3222", 0.9), 0.02, 1)
 
 
 if __name__ == "__main__":

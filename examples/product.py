@@ -30,12 +30,7 @@ def build() -> None:
 def stage() -> None:
     """Table, wall, an arch behind the bottle, the plinth."""
     plaster = b.pattern(
-        b.material("Plaster", "#b3a79b", 0.8),
-        "Noise",
-        ("#a99d91", "#bdb2a6"),
-        bump=0.12,
-        Scale=3.0,
-        Detail=6.0,
+        b.material("Plaster", "#b3a79b", 0.8), "Noise", ("#a99d91", "#bdb2a6"), bump=0.12, Scale=3.0, Detail=6.0
     )
     stone = b.material("Travertine", "#b8a890", 0.5)
     b.pattern(
@@ -51,9 +46,7 @@ def stage() -> None:
     b.box("Table", (14, 6, 0.4), (0, 0.5, -0.2), plaster, 0.02)
     b.box("Wall", (14, 0.2, 8), (0, 2.6, 3.6), b.material("Wall Paint", "#a89e94", 0.85), 0)
     arch()
-    b.turned(
-        "Plinth", [(0, 0), (0.95, 0), (1.0, 0.03), (1.0, 0.3), (0.97, 0.33), (0, 0.33)], (0, 0, 0), stone, 96
-    )
+    b.turned("Plinth", [(0, 0), (0.95, 0), (1.0, 0.03), (1.0, 0.3), (0.97, 0.33), (0, 0.33)], (0, 0, 0), stone, 96)
     b.turned(
         "Low Plinth",
         [(0, 0), (0.72, 0), (0.75, 0.02), (0.75, 0.1), (0.73, 0.12), (0, 0.12)],
@@ -66,12 +59,7 @@ def stage() -> None:
 def arch() -> None:
     """A solid arch, with a narrower opening cut into it."""
     clay = b.pattern(
-        b.material("Arch Clay", "#9a7f6e", 0.75),
-        "Noise",
-        ("#8c7161", "#a58b79"),
-        bump=0.1,
-        Scale=4.0,
-        Detail=6.0,
+        b.material("Arch Clay", "#9a7f6e", 0.75), "Noise", ("#8c7161", "#a58b79"), bump=0.1, Scale=4.0, Detail=6.0
     )
 
     def outline(u: float, radius: float, tall: float) -> tuple[float, float]:
@@ -119,18 +107,10 @@ def bottle() -> None:
             64,
         ),
         b.turned(
-            "Cap Ring",
-            [(0.206, 0), (0.212, 0.006), (0.212, 0.03), (0.206, 0.036)],
-            (0, 0, tall + 0.13),
-            metal,
-            64,
+            "Cap Ring", [(0.206, 0), (0.212, 0.006), (0.212, 0.03), (0.206, 0.036)], (0, 0, tall + 0.13), metal, 64
         ),
         b.box(
-            "Label",
-            (0.46, 0.006, 0.34),
-            (0, -deep / 2 - 0.002, 0.5),
-            b.material("Label Paper", "#d8d2c6", 0.6),
-            0.002,
+            "Label", (0.46, 0.006, 0.34), (0, -deep / 2 - 0.002, 0.5), b.material("Label Paper", "#d8d2c6", 0.6), 0.002
         ),
         b.text(
             "Label Name",
@@ -180,21 +160,11 @@ def carton() -> None:
 def pebbles() -> None:
     """Smooth stones in front of the plinth."""
     random.seed(5)
-    dark = b.pattern(
-        b.material("Pebble", "#77716a", 0.55), "Noise", ("#5f5a55", "#8f8880"), Scale=7.0, Detail=6.0
-    )
-    stones = [
-        (-1.35, -0.55, 0.2),
-        (-1.02, -0.86, 0.12),
-        (0.98, -0.75, 0.15),
-        (1.32, -0.62, 0.1),
-        (-1.7, -0.2, 0.13),
-    ]
+    dark = b.pattern(b.material("Pebble", "#77716a", 0.55), "Noise", ("#5f5a55", "#8f8880"), Scale=7.0, Detail=6.0)
+    stones = [(-1.35, -0.55, 0.2), (-1.02, -0.86, 0.12), (0.98, -0.75, 0.15), (1.32, -0.62, 0.1), (-1.7, -0.2, 0.13)]
     for count, (x, y, size) in enumerate(stones, 1):
         radii = (size * 1.25, size, size * 0.62)
-        b.ball(f"Pebble {count}", radii, (x, y, size * 0.58), dark, 32, 16).rotation_euler.z = random.uniform(
-            0, 3
-        )
+        b.ball(f"Pebble {count}", radii, (x, y, size * 0.58), dark, 32, 16).rotation_euler.z = random.uniform(0, 3)
     b.ball("Stone Ball", (0.3, 0.3, 0.3), (-1.28, 0.35, 0.3), b.existing("Travertine"), 48, 24)
 
 
@@ -218,18 +188,12 @@ def twig() -> None:
 
     def blade(u: float, v: float) -> b.Point:
         side = 2 * u - 1
-        return (
-            0.095 * math.sin(math.pi * v) ** 0.6 * side,
-            0.2 * v,
-            0.035 * abs(side) + 0.02 * math.sin(3 * v),
-        )
+        return (0.095 * math.sin(math.pi * v) ** 0.6 * side, 0.2 * v, 0.035 * abs(side) + 0.02 * math.sin(3 * v))
 
     first = b.sheet("Leaf", blade, 4, 8, leaf)
     count = 0
     for lean, tall in ((0.55, 1.15), (-0.35, 1.35), (0.1, 1.6)):
-        line = [
-            (-1.95 + lean * s * s, 0.55 - 0.25 * lean * s, 0.6 + tall * s) for s in (0, 0.25, 0.5, 0.75, 1)
-        ]
+        line = [(-1.95 + lean * s * s, 0.55 - 0.25 * lean * s, 0.6 + tall * s) for s in (0, 0.25, 0.5, 0.75, 1)]
         b.tube(f"Twig {lean}", [line], 0.014, bark, (1, 0.9, 0.8, 0.6, 0.4))
         for step in range(15):
             s = 0.22 + 0.78 * step / 14

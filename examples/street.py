@@ -64,9 +64,7 @@ def ground() -> None:
     slabs = b.material("Sidewalk Slabs", "#4a4846", 0.35)
     b.pattern(slabs, "Brick", bump=0.4, **{"Color1": "#4f4c49", "Color2": "#3c3a38", "Mortar": "#191817", "Scale": 1.0, "Mortar Size": 0.008, "Brick Width": 0.75, "Row Height": 0.5})  # fmt: skip
     b.boxes("Sidewalks", [((2.2, 60, 0.14), (s * (EDGE + 1.22), 20, 0.07)) for s in (-1, 1)], slabs, 0)
-    granite = b.pattern(
-        b.material("Curb Granite", "#6b6a68", 0.4), "Noise", ("#565553", "#7a7876"), Scale=40.0
-    )
+    granite = b.pattern(b.material("Curb Granite", "#6b6a68", 0.4), "Noise", ("#565553", "#7a7876"), Scale=40.0)
     stones = [((0.16, 0.96, 0.17), (s * (EDGE + 0.04), y, 0.075)) for s in (-1, 1) for y in range(-6, 34)]
     b.boxes("Curb Stones", stones, granite, 0.02, 1)
     paint = b.pattern(b.material("Road Paint", "#9a9892", 0.45), "Noise", ("#6d6c68", "#a9a7a0"), Scale=6.0)
@@ -95,10 +93,7 @@ def house(number: int, shop: tuple) -> None:
         b.box(f"{name} Wall", (0.5, wide, tall - 3.3), (x + side * 0.25, y, (tall + 3.3) / 2), wall, 0),
         b.boxes(
             f"{name} Cornice",
-            [
-                ((0.34, wide, 0.22), (x - side * 0.1, y, tall - 0.1)),
-                ((0.2, wide, 0.14), (x - side * 0.06, y, 3.42)),
-            ],
+            [((0.34, wide, 0.22), (x - side * 0.1, y, tall - 0.1)), ((0.2, wide, 0.14), (x - side * 0.06, y, 3.42))],
             wall,
             0.03,
         ),
@@ -120,10 +115,7 @@ def shop_front(name: str, sign: str, side: int, y: float, inside: str, front: st
         ((0.26, 3.1, 0.6), (x + side * 0.1, y - 1.7, 0.3)),
         ((0.26, 2.2, 0.6), (x + side * 0.1, y + 2.1, 0.3)),
     ]
-    bars = [
-        ((0.06, 3.0, 0.05), (x + side * 0.08, y - 1.7, 2.2)),
-        ((0.06, 2.2, 0.05), (x + side * 0.08, y + 2.1, 2.2)),
-    ]
+    bars = [((0.06, 3.0, 0.05), (x + side * 0.08, y - 1.7, 2.2)), ((0.06, 2.2, 0.05), (x + side * 0.08, y + 2.1, 2.2))]
     bars += [((0.06, 0.05, 2.1), (x + side * 0.08, y + dy, 1.6)) for dy in (-2.2, -1.2, 2.1)]
     door = [
         ((0.08, w, h), (x + side * 0.12, y + dy, z))
@@ -171,13 +163,7 @@ def shop_front(name: str, sign: str, side: int, y: float, inside: str, front: st
         b.sheet(f"{name} Awning", slope, 44, 5, cloth),
     ]
     face = b.text(
-        f"{name} Sign",
-        sign,
-        0.42,
-        (x - side * 0.07, y, 3.02),
-        (90, 0, 90 * -side),
-        b.existing("Sign Light"),
-        0.03,
+        f"{name} Sign", sign, 0.42, (x - side * 0.07, y, 3.02), (90, 0, 90 * -side), b.existing("Sign Light"), 0.03
     )
     if y < 12:  # farther ones add little
         b.light(
@@ -203,9 +189,7 @@ def windows(name: str, side: int, y: float, floors: int) -> None:
     for floor in range(floors):
         z = 4.95 + 2.9 * floor
         for dy in (-2.3, 0.0, 2.3):
-            panes["Lit" if random.random() < 0.3 else "Dark"].append(
-                ((0.04, 1.05, 1.75), (x - side * 0.01, y + dy, z))
-            )
+            panes["Lit" if random.random() < 0.3 else "Dark"].append(((0.04, 1.05, 1.75), (x - side * 0.01, y + dy, z)))
             frames += [((0.12, 1.25, 0.1), (x - side * 0.03, y + dy, z + s * 0.9)) for s in (-1, 1)]
             frames += [((0.08, 0.06, 1.8), (x - side * 0.03, y + dy + s * 0.54, z)) for s in (-1, 0, 1)]
             frames += [
@@ -225,17 +209,13 @@ def street_end() -> None:
     roof = b.material("Slate Roof", "#2c3036", 0.5)
     b.boxes(
         "Town Hall",
-        [
-            ((16, 2, 9), (0, 32, 4.5)),
-            ((3.0, 2.6, 15), (1.2, 31.8, 7.5)),
-            ((3.4, 3.0, 0.4), (1.2, 31.8, 12.3)),
-        ],
+        [((16, 2, 9), (0, 32, 4.5)), ((3.0, 2.6, 15), (1.2, 31.8, 7.5)), ((3.4, 3.0, 0.4), (1.2, 31.8, 12.3))],
         wall,
         0,
     )
-    b.turned(
-        "Tower Roof", [(2.5, 15), (1.2, 17.2), (0.05, 20.5)], (1.2, 31.8, 0), roof, 4
-    ).rotation_euler.z = math.pi / 4
+    b.turned("Tower Roof", [(2.5, 15), (1.2, 17.2), (0.05, 20.5)], (1.2, 31.8, 0), roof, 4).rotation_euler.z = (
+        math.pi / 4
+    )
     b.boxes(
         "Town Hall Windows",
         [
@@ -256,19 +236,14 @@ def street_end() -> None:
     )
     clock.rotation_euler.x = math.radians(90)
     b.boxes(
-        "Clock Hands",
-        [((0.08, 0.04, 0.62), (1.2, 30.35, 13.88)), ((0.42, 0.04, 0.08), (1.38, 30.35, 13.6))],
-        roof,
-        0,
+        "Clock Hands", [((0.08, 0.04, 0.62), (1.2, 30.35, 13.88)), ((0.42, 0.04, 0.08), (1.38, 30.35, 13.6))], roof, 0
     )
 
 
 def street_lamp(number: int, side: int, y: float) -> None:
     """A cast-iron post with a lantern and its light."""
     iron = b.bpy.data.materials.get("Cast Iron") or b.material("Cast Iron", "#1c1d1e", 0.4, metallic=0.6)
-    glass = b.bpy.data.materials.get("Lantern Glass") or b.material(
-        "Lantern Glass", "#f2dfbb", 0.4, emission=14.0
-    )
+    glass = b.bpy.data.materials.get("Lantern Glass") or b.material("Lantern Glass", "#f2dfbb", 0.4, emission=14.0)
     post = [
         (0, 0),
         (0.17, 0),
@@ -388,12 +363,7 @@ def scooter() -> None:
         )
     ]
     parts += [
-        b.tube(
-            "Scooter Fork",
-            [[(s * 0.07, -0.62, 0.235), (s * 0.06, -0.58, 0.55)] for s in (-1, 1)],
-            0.02,
-            chrome,
-        )
+        b.tube("Scooter Fork", [[(s * 0.07, -0.62, 0.235), (s * 0.06, -0.58, 0.55)] for s in (-1, 1)], 0.02, chrome)
     ]
     carrier = b.group("Scooter", parts, (EDGE - 1.25, 2.7, 0), 140)
     carrier.rotation_euler.y = math.radians(-6)
@@ -442,9 +412,7 @@ def cafe_table() -> None:
         b.group(f"Bistro Chair {number}", chair, (x + dx, y + dy, 0.14), turn)
     clay, leaf = (
         b.material("Tub Clay", "#7d5442", 0.7),
-        b.pattern(
-            b.material("Boxwood", "#33452b", 0.7), "Noise", ("#22301c", "#4a6138"), bump=0.8, Scale=14.0
-        ),
+        b.pattern(b.material("Boxwood", "#33452b", 0.7), "Noise", ("#22301c", "#4a6138"), bump=0.8, Scale=14.0),
     )
     for number, place in enumerate(
         ((-FACADE + 0.42, 1.55), (-FACADE + 0.42, 3.25), (-FACADE + 0.42, 8.6), (FACADE - 0.42, 4.05)), 1

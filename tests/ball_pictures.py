@@ -24,9 +24,7 @@ def gray(light):
 
 def shot(display, **more):
     """A ball in the middle."""
-    return FinishedPicture(
-        display, DISC.astype(float), NORMAL, np.where(DISC, 0, 1), ("Ball", "Wall"), **more
-    )
+    return FinishedPicture(display, DISC.astype(float), NORMAL, np.where(DISC, 0, 1), ("Ball", "Wall"), **more)
 
 
 def painted(subject, around):

@@ -22,9 +22,7 @@ OPTIONS = ("--rounds=1", "--steps=2", "--size=48", "--samples=2")
 
 def plan_of(*prompts, scenes=("a.blend",), seeds=(0,)):
     """A plan of scenes that need not exist."""
-    return BatchPlan(
-        [SceneGroup(name, Path(name), "digest", tuple(prompts), tuple(seeds), OPTIONS) for name in scenes]
-    )
+    return BatchPlan([SceneGroup(name, Path(name), "digest", tuple(prompts), tuple(seeds), OPTIONS) for name in scenes])
 
 
 def local(store, setup, workers=1):

@@ -16,12 +16,7 @@ def _profile(space: bytes, kind: bytes, connection: bytes, tags: dict[bytes, byt
         body += data + bytes(-len(data) % 4)
     size = 128 + len(table) + len(body)
     head = struct.pack(">I", size) + bytes(4) + b"\x02\x40\0\0" + kind + space + connection
-    head += (
-        struct.pack(">6H", 2026, 1, 1, 0, 0, 0)
-        + b"acsp"
-        + bytes(28)
-        + struct.pack(">3i", 63190, 65536, 54061)
-    )
+    head += struct.pack(">6H", 2026, 1, 1, 0, 0, 0) + b"acsp" + bytes(28) + struct.pack(">3i", 63190, 65536, 54061)
     return head.ljust(128, b"\0") + table + body
 
 

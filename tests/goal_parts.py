@@ -65,9 +65,7 @@ def drawn(seed: int, number: int) -> Iterator[tuple[str, Parsed]]:
 
 def exact(parsed: Parsed) -> Parsed:
     """A prompt whose colors are those that six hexadecimal digits can say."""
-    attributes = (
-        replace(a, color=srgb_from_hex(hex_from_srgb(a.color))) if a.color else a for a in parsed.attributes
-    )
+    attributes = (replace(a, color=srgb_from_hex(hex_from_srgb(a.color))) if a.color else a for a in parsed.attributes)
     return replace(parsed, attributes=list(attributes))
 
 
@@ -79,11 +77,7 @@ def _names(*slots: str) -> tuple[str, ...]:
 def _phrase(draw: random.Random) -> str:
     """A word alone, denied, said softly or strongly, or of something."""
     colors = tuple(shipped_vocabulary().colors)
-    word, thing, surface = (
-        draw.choice(_names()),
-        draw.choice(_THINGS),
-        draw.choice(_names("finish", "material")),
-    )
+    word, thing, surface = (draw.choice(_names()), draw.choice(_THINGS), draw.choice(_names("finish", "material")))
     phrases = (
         word,
         draw.choice(_names("mood")),

@@ -36,9 +36,7 @@ class _Handler(BaseHTTPRequestHandler):
         body = json.loads(raw)
         model.asked.append(body)
         model.headers.append({k.lower(): v for k, v in self.headers.items()})
-        answer = (
-            model.behave(body, len(model.asked)) if self.path == "/v1/chat/completions" else (404, {}, {})
-        )
+        answer = model.behave(body, len(model.asked)) if self.path == "/v1/chat/completions" else (404, {}, {})
         with contextlib.suppress(OSError):
             if callable(answer):
                 answer(self)
@@ -83,9 +81,7 @@ def says(content, finish="stop", read=100, written=20):
             "object": "chat.completion",
             "created": 0,
             "model": MODEL,
-            "choices": [
-                {"index": 0, "finish_reason": finish, "message": {"role": "assistant", "content": text}}
-            ],
+            "choices": [{"index": 0, "finish_reason": finish, "message": {"role": "assistant", "content": text}}],
             "usage": {"prompt_tokens": read, "completion_tokens": written, "total_tokens": read + written},
         },
         {},
@@ -112,12 +108,7 @@ def plan_for(body, **changes):
     """What a sensible model answers to "glossy teal ball, white studio background" on the tiny scene."""
     names = document(body)["parameters"]
     plan = [
-        {
-            "parameter": "material1/base_color",
-            "lower": [0, 0.4, 0.4],
-            "upper": [0.1, 0.6, 0.6],
-            "priority": 1,
-        },
+        {"parameter": "material1/base_color", "lower": [0, 0.4, 0.4], "upper": [0.1, 0.6, 0.6], "priority": 1},
         {"parameter": "material1/roughness", "lower": [0.02], "upper": [0.15], "priority": 2},
         {"parameter": "world/strength", "lower": [0.8], "upper": [1.5], "priority": 3},
     ]

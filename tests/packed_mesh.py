@@ -53,11 +53,7 @@ def _pack(document, data, primitive):
     )
     kinds = {a["attribute_type"]: a["unique_id"] for a in DracoPy.decode(blob).attributes}
     types = DracoPy.AttributeType
-    numbers = {
-        "POSITION": kinds[types.POSITION],
-        "NORMAL": kinds[types.NORMAL],
-        "TEXCOORD_0": kinds[types.TEX_COORD],
-    }
+    numbers = {"POSITION": kinds[types.POSITION], "NORMAL": kinds[types.NORMAL], "TEXCOORD_0": kinds[types.TEX_COORD]}
     for number in (*names.values(), primitive["indices"]):
         document["accessors"][number].pop("bufferView")
     data += bytes(-len(data) % 4)

@@ -39,8 +39,7 @@ def make_instances(
         if seed is not None:
             low, high = parameter.lower, parameter.upper
             value = tuple(
-                parameter.scale.from_unit(draw.random(), low, high) * reference
-                for _ in range(parameter.components)
+                parameter.scale.from_unit(draw.random(), low, high) * reference for _ in range(parameter.components)
             )
         elif value is None:
             value = (parameter.default * reference,) * parameter.components

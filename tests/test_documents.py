@@ -20,14 +20,7 @@ from proxy_renderer.schema import VibeError
 ROOT = Path(__file__).parents[1]
 PAGES = sorted(
     path.relative_to(ROOT).as_posix()
-    for pattern in (
-        "*.md",
-        ".github/**/*.md",
-        "docs/**/*.md",
-        "LICENSES/*.md",
-        "proxy_renderer/**/*.md",
-        "lab/**/*.md",
-    )
+    for pattern in ("*.md", ".github/**/*.md", "docs/**/*.md", "LICENSES/*.md", "proxy_renderer/**/*.md", "lab/**/*.md")
     for path in ROOT.glob(pattern)
 )
 FENCE = re.compile(r"^ *```(\w*)\n(.*?)^ *```$", re.M | re.S)
@@ -86,9 +79,7 @@ def wrong_commands(markdown):
 def missing_modules(markdown):
     """Modules after `python -m`, in text and in blocks, that Python does not find."""
     named = set(re.findall(r"python3? -m ([\w.]*\w)", markdown))
-    return sorted(
-        name for name in named if importlib.util.find_spec(name.split(".")[0]) is None or not found(name)
-    )
+    return sorted(name for name in named if importlib.util.find_spec(name.split(".")[0]) is None or not found(name))
 
 
 def found(name):
@@ -100,13 +91,7 @@ def found(name):
 
 def missing_files(page, markdown):
     """Source files in backquotes, by their path from the repository or a package, that do not exist."""
-    roots = (
-        ROOT,
-        ROOT / "proxy_renderer",
-        ROOT / "addon" / "vibe_render",
-        ROOT / "lab",
-        (ROOT / page).parent,
-    )
+    roots = (ROOT, ROOT / "proxy_renderer", ROOT / "addon" / "vibe_render", ROOT / "lab", (ROOT / page).parent)
     named = re.findall(r"`([\w.-]+(?:/[\w.-]+)+\.(?:py|toml|txt|md))`", prose(markdown))
     return [name for name in named if not any((root / name).exists() for root in roots)]
 
@@ -172,6 +157,4 @@ def test_the_checks_can_fail():
     assert dead_links("README.md", page + block) == ["#three", "nowhere.md", "README.md#no"]
     assert missing_files("README.md", page) == ["cli/nothing.py"]
     assert wrong_commands(page + block) == ["vibe run --frobnicate > c"]
-    assert missing_modules("`python -m proxy_renderer.nothing`, python -m lab x") == [
-        "proxy_renderer.nothing"
-    ]
+    assert missing_modules("`python -m proxy_renderer.nothing`, python -m lab x") == ["proxy_renderer.nothing"]

@@ -68,9 +68,7 @@ def test_starting_loads_nothing_heavy(code):
 
 
 def test_the_whole_engine_runs_without_blender():
-    assert loaded("import proxy_renderer.engine.session, proxy_renderer.cli.doctor", ["torch", "bpy"]) == [
-        "torch"
-    ]
+    assert loaded("import proxy_renderer.engine.session, proxy_renderer.cli.doctor", ["torch", "bpy"]) == ["torch"]
 
 
 def test_the_checks_can_fail(tmp_path):

@@ -43,9 +43,7 @@ def layers(package: str) -> dict[str, int]:
     """Dotted names of a package's folders, with their layer; 0 is the lowest."""
     rooms = (room.split("=") for room in LAYERS[package].split())
     return {
-        package if name == "." else f"{package}.{name}": level
-        for level, names in enumerate(rooms)
-        for name in names
+        package if name == "." else f"{package}.{name}": level for level, names in enumerate(rooms) for name in names
     }
 
 

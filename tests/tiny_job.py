@@ -71,9 +71,7 @@ def write_job(folder: Path, **values) -> Path:
 
 def _write_meshes(folder: Path) -> None:
     ball = trimesh.creation.icosphere(subdivisions=3)
-    vertices = np.concatenate(
-        [np.add(ball.vertices, [0, 0, 1]), [[-9, -9, 0], [9, -9, 0], [9, 9, 0], [-9, 9, 0]]]
-    )
+    vertices = np.concatenate([np.add(ball.vertices, [0, 0, 1]), [[-9, -9, 0], [9, -9, 0], [9, 9, 0], [-9, 9, 0]]])
     count = len(ball.vertices)
     faces = np.concatenate([ball.faces, [[count, count + 1, count + 2], [count, count + 2, count + 3]]])
     normals = np.concatenate([ball.vertices[ball.faces], np.tile([0.0, 0.0, 1.0], (2, 3, 1))])

@@ -104,13 +104,7 @@ def carry_out(command):
     given = command["parameters"]
     blender = [sys.executable, str(ROOT / "blender_tests" / "blender_command.py")]
     expand = {"{blender}": blender, "{blenderArgs}": ["-b", "-y"]}
-    words = [
-        *expand[given["exe"]],
-        *expand[given["exeArgs"]],
-        *given["argsBefore"],
-        given["blendfile"],
-        *given["args"],
-    ]
+    words = [*expand[given["exe"]], *expand[given["exeArgs"]], *given["argsBefore"], given["blendfile"], *given["args"]]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "addon")])}
     done = subprocess.run(words, env=environment, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -67,9 +67,7 @@ def _fill(scene: bpy.types.Scene, name: str) -> None:
     world = scene.world = bpy.data.worlds.new("World")
     world.use_nodes = True
     background = next(n for n in world.node_tree.nodes if n.type == "BACKGROUND")
-    background.inputs["Color"].default_value = (
-        (0.2, 0.5, 0.8, 1.0) if name == "WORLD" else (0.0, 0.0, 0.0, 1.0)
-    )
+    background.inputs["Color"].default_value = (0.2, 0.5, 0.8, 1.0) if name == "WORLD" else (0.0, 0.0, 0.0, 1.0)
     if name != "WORLD":
         _lamp(name)
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))

@@ -17,22 +17,13 @@ from proxy_renderer.scene import load_scene
 
 
 def test_the_halo_of_a_bulb_in_fog(tmp_path):
-    bulb = FinishRecipe(
-        (0.8, 0.8, 0.8), 0.8, inputs={"Emission Strength": 9.0, "Emission Color": (1.0, 0.6, 0.25)}
-    )
+    bulb = FinishRecipe((0.8, 0.8, 0.8), 0.8, inputs={"Emission Strength": 9.0, "Emission Color": (1.0, 0.6, 0.25)})
     iron = FinishRecipe((0.2, 0.1, 0.05), 0.8)
     world = WorldRecipe(1.0, (0.01, 0.01, 0.015))
     ground = FinishRecipe((0.4, 0.35, 0.3), 0.9)
     finishes = (bulb, *(iron,) * 6)
     recipe = SceneRecipe(
-        "bulb",
-        "lantern",
-        finishes,
-        (),
-        world,
-        ground=ground,
-        fog=FogRecipe(0.4),
-        view=CameraRecipe(12.0, 10.0),
+        "bulb", "lantern", finishes, (), world, ground=ground, fog=FogRecipe(0.4), view=CameraRecipe(12.0, 10.0)
     )
     scene, subject = build(recipe, 0)
     reading.export_scene(scene, tmp_path, SubjectChoice(tuple(o.name for o in subject)))

@@ -69,8 +69,7 @@ def developed(scene, picture, **values):
         transparent=False, working_space="Linear Rec.709",
     )  # fmt: skip
     tensors = {
-        f"film/{name}": torch.tensor(np.atleast_1d(value), dtype=torch.float32)
-        for name, value in values.items()
+        f"film/{name}": torch.tensor(np.atleast_1d(value), dtype=torch.float32) for name, value in values.items()
     }
     return Film(film, (SIZE, SIZE)).develop(torch.from_numpy(picture), tensors)
 

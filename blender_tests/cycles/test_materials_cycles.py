@@ -209,9 +209,7 @@ def _surface(material: bpy.types.Material, kind: str, **inputs) -> bpy.types.Nod
     return node
 
 
-@pytest.mark.parametrize(
-    ("kind", "most"), [("BsdfToon", 4.0), ("BsdfSheen", 4.0), ("BsdfHairPrincipled", 15.0)]
-)
+@pytest.mark.parametrize(("kind", "most"), [("BsdfToon", 4.0), ("BsdfSheen", 4.0), ("BsdfHairPrincipled", 15.0)])
 def test_rare_shaders_are_approximated_with_a_warning(stage, tmp_path, kind, most):
     _surface(_ball("Ball"), kind, Color=(0.7, 0.3, 0.2, 1))
     difference, _, warnings = _compare(stage, tmp_path)
@@ -257,8 +255,7 @@ def test_metals_are_mirrors_in_mirrors_too(stage, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("roughness", "tint", "most"),
-    few_of([(0.0, 1.0, 1.7), (0.0, 0.4, 2.1), (0.3, 1.0, 2.0)], [(0.3, 1.0, 2.0)]),
+    ("roughness", "tint", "most"), few_of([(0.0, 1.0, 1.7), (0.0, 0.4, 2.1), (0.3, 1.0, 2.0)], [(0.3, 1.0, 2.0)])
 )
 def test_glass_lets_light_through(stage, tmp_path, roughness, tint, most):
     """Were its shadow as dark as a stone's, the floor below would be far off."""

@@ -19,9 +19,7 @@ from proxy_renderer.scene import load_scene
 def test_the_sun_of_a_city_throws_a_shadow(tmp_path):
     matte = FinishRecipe((0.7, 0.7, 0.7), 0.8)
     world = WorldRecipe(1.0, picture="city")
-    recipe = SceneRecipe(
-        "city", "head", (matte,), (), world, ground=matte, view=CameraRecipe(12.0, 20.0, fill=0.6)
-    )
+    recipe = SceneRecipe("city", "head", (matte,), (), world, ground=matte, view=CameraRecipe(12.0, 20.0, fill=0.6))
     scene, subject = build(recipe, 0)
     reading.export_scene(scene, tmp_path, SubjectChoice(tuple(o.name for o in subject)))
     final_render.render_picture(scene, tmp_path / "cycles.png", 64, 64)

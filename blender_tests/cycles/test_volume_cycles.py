@@ -10,14 +10,7 @@ from vibe_render.scene.subject import SubjectChoice
 
 from lab.bench.metrics import difference
 from lab.blender.scenes.build import build
-from lab.blender.scenes.recipe import (
-    CameraRecipe,
-    FinishRecipe,
-    FogRecipe,
-    LightRecipe,
-    SceneRecipe,
-    WorldRecipe,
-)
+from lab.blender.scenes.recipe import CameraRecipe, FinishRecipe, FogRecipe, LightRecipe, SceneRecipe, WorldRecipe
 from proxy_renderer.engine.pictures import load_picture
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import load_scene
@@ -29,10 +22,7 @@ LIGHTS = {
         (LightRecipe("SPOT", -125.0, 50.0, 1.2, 0.1, distance=5.5, settings={"spot_size": 0.9}),),
         WorldRecipe(1.0, (0.02, 0.02, 0.03)),
     ),
-    "point": (
-        (LightRecipe("POINT", -35.0, 30.0, 0.9, 0.2, distance=2.9),),
-        WorldRecipe(1.0, (0.05, 0.05, 0.05)),
-    ),
+    "point": ((LightRecipe("POINT", -35.0, 30.0, 0.9, 0.2, distance=2.9),), WorldRecipe(1.0, (0.05, 0.05, 0.05))),
     "world": ((), WorldRecipe(1.0, (0.5, 0.55, 0.65))),
 }
 FOGS = {

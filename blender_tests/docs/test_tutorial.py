@@ -13,10 +13,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 TUTORIAL = ROOT / "docs" / "start" / "tutorial.md"
-SMALL = {
-    "run": "--rounds 1 --steps 4 --size 96 --samples 4 --no-anchor",
-    "apply": "--size 96 --samples 4",
-}
+SMALL = {"run": "--rounds 1 --steps 4 --size 96 --samples 4 --no-anchor", "apply": "--size 96 --samples 4"}
 """What makes a command quick, by its first word; later options win."""
 
 
@@ -28,9 +25,7 @@ def commands():
 
 def printed():
     """The lines that the tutorial says that `vibe explain` prints."""
-    block = re.search(r"^```text\n(.*?)^```", TUTORIAL.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)[
-        1
-    ]
+    block = re.search(r"^```text\n(.*?)^```", TUTORIAL.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)[1]
     return [line for line in block.splitlines() if line != "…"]
 
 

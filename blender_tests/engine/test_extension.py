@@ -61,11 +61,7 @@ def strange(folder):
 
 def test_all_of_the_zip_can_be_reached_and_what_cannot_is_noticed(extracted):
     assert not strange(extracted)
-    strays = {
-        "vibe_render/scene/nobody.py",
-        "proxy_renderer/cli/main.py",
-        "proxy_renderer/guidance/judge.safetensors",
-    }
+    strays = {"vibe_render/scene/nobody.py", "proxy_renderer/cli/main.py", "proxy_renderer/guidance/judge.safetensors"}
     for name in strays:
         path = extracted / ("" if name.startswith("vibe") else "carried") / name
         path.parent.mkdir(exist_ok=True)
@@ -98,9 +94,7 @@ def test_install_names_what_is_wrong(tmp_path, monkeypatch):
 def test_install_asks_blender_and_passes_on_its_refusal(tmp_path):
     """A stand-in for Blender that writes down what it is asked, and then refuses."""
     program = tmp_path / "blender"
-    program.write_text(
-        f'#!/bin/sh\necho "$@" >> {tmp_path}/asked\n[ -e {tmp_path}/refuse ] && exit 1\nexit 0\n'
-    )
+    program.write_text(f'#!/bin/sh\necho "$@" >> {tmp_path}/asked\n[ -e {tmp_path}/refuse ] && exit 1\nexit 0\n')
     program.chmod(0o755)
     assert "installed and enabled" in extension.install(str(tmp_path))
     asked = (tmp_path / "asked").read_text()

@@ -116,9 +116,7 @@ def test_deleting_the_subject_meanwhile_is_safe(addon):
 def test_another_file_ends_the_vibe_before_it_is_opened(addon, tmp_path):
     """The file that is opened has a snapshot of its own, which must stay."""
     subject = [bpy.data.objects["Subject"]]
-    result.apply(
-        addon, addon.vibe.prompt, messages.Result({"light/Point/power": [7.0]}, {}, ""), subject, (0, 0, 0)
-    )
+    result.apply(addon, addon.vibe.prompt, messages.Result({"light/Point/power": [7.0]}, {}, ""), subject, (0, 0, 0))
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "vibed.blend"))
     advance(lambda r: r.asked)
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "vibed.blend"))

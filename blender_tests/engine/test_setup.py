@@ -58,9 +58,7 @@ def leave_free(monkeypatch, free):
 
 
 def installed(environment):
-    return {
-        path.name.removesuffix(".dist-info") for path in environment.glob("lib/*/site-packages/*.dist-info")
-    }
+    return {path.name.removesuffix(".dist-info") for path in environment.glob("lib/*/site-packages/*.dist-info")}
 
 
 @pytest.mark.slow

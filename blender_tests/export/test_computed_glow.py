@@ -35,10 +35,7 @@ def sign(request, scene):
     color = glow.inputs["Emission Color" if request.param == "Principled" else "Color"]
     color.default_value = (0.2, 0.8, 0.4, 1.0)
     checker, math = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexChecker", "Math"))
-    checker.inputs["Color1"].default_value, checker.inputs["Color2"].default_value = (
-        (1, 1, 1, 1),
-        (0, 0, 0, 1),
-    )
+    checker.inputs["Color1"].default_value, checker.inputs["Color2"].default_value = ((1, 1, 1, 1), (0, 0, 0, 1))
     checker.inputs["Scale"].default_value = 2.0
     math.operation, math.inputs[1].default_value = "MULTIPLY", 3.0
     tree.links.new(checker.outputs["Color"], math.inputs[0])
@@ -119,8 +116,7 @@ def test_a_fire_of_a_color_ramp_turns_blue(fire, tmp_path, prompt):
     names = ("emission_color", "recolor")
     keys = [key for key in (f"material/Flame/{name}" for name in names) if entries[key].priority is not None]
     values = {
-        key: tuple((a + b) / 2 for a, b in zip(entries[key].lower, entries[key].upper, strict=True))
-        for key in keys
+        key: tuple((a + b) / 2 for a, b in zip(entries[key].lower, entries[key].upper, strict=True)) for key in keys
     }
     place = job.analysis.objects, job.analysis.pivot
     groups = anchors.render_anchor(fire, tmp_path / "a.exr", values, *place, 64, 32)

@@ -145,11 +145,7 @@ def test_each_face_has_its_material_and_its_role(stage, tmp_path):
     _, scene = job_of(stage, tmp_path)
     names = [scene.materials[i].name for i in scene.mesh.material]
     assert (names.count("Red"), names.count("Blue"), names.count("Ground")) == (10, 2, 12)
-    assert {m.name: m.role for m in scene.materials} == {
-        "Red": "subject",
-        "Blue": "subject",
-        "Ground": "surroundings",
-    }
+    assert {m.name: m.role for m in scene.materials} == {"Red": "subject", "Blue": "subject", "Ground": "surroundings"}
     assert {o.name: o.subject for o in scene.objects} == {"Cube": True, "Floor": False}
     np.testing.assert_allclose(scene.pivot, (0, 0, 0), atol=1e-5)
 
@@ -177,10 +173,7 @@ def test_image_textures_are_linear_and_mapped(stage, tmp_path):
 def test_a_network_over_uvs_is_baked(stage, tmp_path):
     _, tree, shader = material("Checked", cube())
     checker, uv = tree.nodes.new("ShaderNodeTexChecker"), tree.nodes.new("ShaderNodeTexCoord")
-    checker.inputs["Color1"].default_value, checker.inputs["Color2"].default_value = (
-        (1, 0, 0, 1),
-        (0, 0, 0.5, 1),
-    )
+    checker.inputs["Color1"].default_value, checker.inputs["Color2"].default_value = ((1, 0, 0, 1), (0, 0, 0.5, 1))
     checker.inputs["Scale"].default_value = 2.0
     tree.links.new(uv.outputs["UV"], checker.inputs["Vector"])
     tree.links.new(checker.outputs["Color"], shader.inputs["Base Color"])
@@ -238,9 +231,7 @@ def test_a_baked_world_lies_as_the_picture_that_it_was_made_of(stage):
     rng = np.random.default_rng(0)
     blocks = rng.random((4, 8, 3)).repeat(8, 0).repeat(8, 1)  # (H, W, 3), row 0 at the bottom
     image = bpy.data.images.new("Blocks", width, height, float_buffer=True)
-    image.pixels.foreach_set(
-        np.concatenate([blocks, np.ones((height, width, 1))], -1).astype(np.float32).ravel()
-    )
+    image.pixels.foreach_set(np.concatenate([blocks, np.ones((height, width, 1))], -1).astype(np.float32).ravel())
     world = bpy.data.worlds.new("World")
     world.use_nodes = True
     texture = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
@@ -283,9 +274,7 @@ def test_exporting_changes_nothing_but_what_is_missing(stage, tmp_path):
     stage.world = bpy.data.worlds.new("World")
     stage.world.use_nodes = True
     sky = stage.world.node_tree.nodes.new("ShaderNodeTexSky")
-    stage.world.node_tree.links.new(
-        sky.outputs["Color"], stage.world.node_tree.nodes["Background"].inputs["Color"]
-    )
+    stage.world.node_tree.links.new(sky.outputs["Color"], stage.world.node_tree.nodes["Background"].inputs["Color"])
     before = contents()
     job_of(stage, tmp_path)
     bpy.context.scene.pop("vibe_snapshot")
@@ -298,11 +287,9 @@ def test_exporting_changes_nothing_but_what_is_missing(stage, tmp_path):
 def test_a_texture_of_one_dimension_has_no_place(stage, tmp_path, kind):
     _, tree, shader = material("Striped", cube())
     node = tree.nodes.new(
-        {
-            "voronoi": "ShaderNodeTexVoronoi",
-            "noise": "ShaderNodeTexNoise",
-            "white_noise": "ShaderNodeTexWhiteNoise",
-        }[kind]
+        {"voronoi": "ShaderNodeTexVoronoi", "noise": "ShaderNodeTexNoise", "white_noise": "ShaderNodeTexWhiteNoise"}[
+            kind
+        ]
     )
     setattr(node, "noise_dimensions" if kind != "voronoi" else "voronoi_dimensions", "1D")
     tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])

@@ -24,10 +24,7 @@ def panel(scene):
     scenes.principled("Paint", subject)
     scenes.camera(scene)
     scenes.world(scene).node_tree.nodes["Background"].inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
-    for name, place, size, strength in (
-        ("Panel", (0.0, 0.0, 5.0), 2.0, 12.0),
-        ("Dial", (0.9, -1.1, 0.9), 0.02, 5.0),
-    ):
+    for name, place, size, strength in (("Panel", (0.0, 0.0, 5.0), 2.0, 12.0), ("Dial", (0.9, -1.1, 0.9), 0.02, 5.0)):
         material = scenes.principled(name, scenes.cube(scene, name, place, size))
         scenes.shader(material).inputs["Emission Color"].default_value = (1.0, 1.0, 1.0, 1.0)
         scenes.shader(material).inputs["Emission Strength"].default_value = strength
@@ -112,10 +109,7 @@ def test_a_glow_whose_color_nodes_compute_gets_a_tint(panel, tmp_path):
     assert tint.upper[2] < 0.5 * tint.lower[0]
     assert not any("Panel: Emission Color" in note for note in entries.notes)
     analysis = reading.read_scene(panel, SubjectChoice(("Cube",))).analysis
-    assert (
-        bindings.write(panel, {"material/Panel/emission_color": tint.lower}, analysis.objects, analysis.pivot)
-        == {}
-    )
+    assert bindings.write(panel, {"material/Panel/emission_color": tint.lower}, analysis.objects, analysis.pivot) == {}
     read = bindings.read(panel, analysis.objects, analysis.pivot)["material/Panel/emission_color"]
     assert read == pytest.approx(tint.lower, abs=1e-5)
     snapshot.revert(panel)

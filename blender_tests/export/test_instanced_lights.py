@@ -49,9 +49,7 @@ def test_they_light_the_prediction_from_where_they_are(street, tmp_path):
     job = reading.export_scene(street, tmp_path, SubjectChoice(("Cube",)))
     scene = load_scene(tmp_path)
     assert [light.name for light in scene.lights] == ["Bulb", "Bulb"]
-    groups = anchors.render_anchor(
-        street, tmp_path / "a.exr", {}, job.analysis.objects, job.analysis.pivot, 64, 32
-    )
+    groups = anchors.render_anchor(street, tmp_path / "a.exr", {}, job.analysis.objects, job.analysis.pivot, 64, 32)
     picture = CyclesPicture.load(tmp_path / "a.exr", groups)
     whole, theirs = picture.whole, picture.parts["light/Bulb"]
     assert abs(theirs.mean() / whole.mean() - 1.0) < 0.02

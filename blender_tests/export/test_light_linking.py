@@ -121,6 +121,4 @@ def test_links_of_words_are_written_predicted_and_reverted(balls, tmp_path, own)
 
 def test_a_light_that_cannot_be_linked_is_said(balls):
     key = LightLink("Lantern", True, ("Left",)).key
-    assert bindings.write(balls, {key: [1.0]}, (), (0.0, 0.0, 0.0)) == {
-        key: "there is no such light in this scene"
-    }
+    assert bindings.write(balls, {key: [1.0]}, (), (0.0, 0.0, 0.0)) == {key: "there is no such light in this scene"}

@@ -101,10 +101,7 @@ def by_camera_rays_and_height(tree):
     return mix.outputs[0]
 
 
-CAMERA_RAYS = [
-    (by_camera_rays, "color", "backdrop_color"),
-    (by_camera_rays_and_height, "tint", "backdrop_tint"),
-]
+CAMERA_RAYS = [(by_camera_rays, "color", "backdrop_color"), (by_camera_rays_and_height, "tint", "backdrop_tint")]
 """Builds a world; the parameters that lights and the camera see of it."""
 
 
@@ -179,9 +176,7 @@ def test_words_mean_what_is_seen_or_what_lights(scene, tmp_path, prompt, seen, s
     parsed = parse(prompt, SceneDescription())
     data = load_scene(tmp_path)
     entries = plan(goals_of(parsed), dict(data.instances), SceneDescription())
-    named = {
-        key for key, entry in entries.items() if entry.priority is not None and "supports" not in entry.reason
-    }
+    named = {key for key, entry in entries.items() if entry.priority is not None and "supports" not in entry.reason}
     assert ("world/backdrop_color" in named) == seen
     assert ("world/color" in named) == shed
 

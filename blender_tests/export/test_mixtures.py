@@ -161,11 +161,7 @@ def test_a_color_inside_groups_is_measured_where_the_camera_does_not_look(stage,
 def test_warnings_are_one_line_for_each_reason_and_only_of_what_is_seen(stage, tmp_path):
     cube = bpy.data.objects["Cube"]
     for number in range(6):
-        ball = (
-            cube
-            if number == 0
-            else scenes.cube(stage, f"Cube {number}", (0.7 * number - 2.1, -2.0, 0.0), 0.5)
-        )
+        ball = cube if number == 0 else scenes.cube(stage, f"Cube {number}", (0.7 * number - 2.1, -2.0, 0.0), 0.5)
         tree = bare(f"Chrome {number}", ball)
         shown(tree, node(tree, "BsdfGlossy"))
     tree = bare("Unseen", scenes.cube(stage, "Behind", (0.0, -12.0, 0.0)))
@@ -178,9 +174,7 @@ def test_warnings_are_one_line_for_each_reason_and_only_of_what_is_seen(stage, t
 
 def test_diffuse_and_emission_need_no_warning(stage, tmp_path):
     tree = bare("Chalk", bpy.data.objects["Cube"])
-    add = node(
-        tree, "AddShader", (0, node(tree, "BsdfDiffuse").outputs[0]), (1, node(tree, "Emission").outputs[0])
-    )
+    add = node(tree, "AddShader", (0, node(tree, "BsdfDiffuse").outputs[0]), (1, node(tree, "Emission").outputs[0]))
     shown(tree, add)
     assert job_of(stage, tmp_path)[0].warnings == []
 
@@ -188,10 +182,7 @@ def test_diffuse_and_emission_need_no_warning(stage, tmp_path):
 def test_notes_name_three_things_and_five_reasons():
     reasons = {name: ["Hair is left out"] for name in "ABCDE"}
     assert notes.notes_by_reason(reasons) == ["Hair is left out in A, B, C and 2 more."]
-    assert notes.notes_by_reason({"A": ["X is Y"], "B": ["X is Y", "Z is Y"]}) == [
-        "X is Y in A and B.",
-        "Z is Y in B.",
-    ]
+    assert notes.notes_by_reason({"A": ["X is Y"], "B": ["X is Y", "Z is Y"]}) == ["X is Y in A and B.", "Z is Y in B."]
     lines = [f"{n}." for n in range(24)]
     assert notes.shortened_notes([*lines, *lines]) == [*lines[:5], "And 19 more."]
     assert notes.shortened_notes(lines[:5]) == lines[:5]

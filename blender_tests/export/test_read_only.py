@@ -45,9 +45,7 @@ def test_from_the_panel(addon, disk, tmp_path):
 def test_from_the_command_line(disk, tmp_path):
     shot = save_scene(disk.folder / "shot.blend")
     held = shot.read_bytes()
-    code, printed = run_headless(
-        "run", shot, "--prompt=red box", f"--out={disk.folder / 'out'}", "--no-anchor", *QUICK
-    )
+    code, printed = run_headless("run", shot, "--prompt=red box", f"--out={disk.folder / 'out'}", "--no-anchor", *QUICK)
     assert code == 0, printed
     vibed = (disk.folder / "out" / "vibed.blend").read_bytes()
     disk.protect()
@@ -59,9 +57,7 @@ def test_from_the_command_line(disk, tmp_path):
         assert code == 2, printed
         assert words in printed.splitlines()[-1]
         assert "Traceback" not in printed
-    code, printed = run_headless(
-        "run", shot, "--prompt=red box", f"--out={tmp_path / 'out'}", "--no-anchor", *QUICK
-    )
+    code, printed = run_headless("run", shot, "--prompt=red box", f"--out={tmp_path / 'out'}", "--no-anchor", *QUICK)
     assert code == 0, printed
     assert {path.name for path in (tmp_path / "out").iterdir()} == FILES
     assert shot.read_bytes() == held

@@ -201,9 +201,7 @@ def test_the_world_that_a_view_layer_shows_is_the_one_that_changes(scene, tmp_pa
     assert dump.difference(before, dump.contents()) == {}
 
 
-@pytest.mark.parametrize(
-    "add", few_of([lighting.world_in_a_group, lighting.computed_turn], [lighting.computed_turn])
-)
+@pytest.mark.parametrize("add", few_of([lighting.world_in_a_group, lighting.computed_turn], [lighting.computed_turn]))
 def test_a_world_inside_a_group_turns_and_dims_in_its_own_scene_alone(scene, tmp_path, add):
     properties.build(scene, add)
     before = dump.contents()

@@ -23,19 +23,9 @@ def test_an_engine_that_dies_leaves_nothing(tmp_path, stage):
     heard, rounds = STAGES[stage]
     shot, out = save_scene(tmp_path / "shot.blend"), tmp_path / "out"
     held = shot.read_bytes()
-    command = [
-        sys.executable,
-        str(BATCH_PY),
-        "--events",
-        "run",
-        str(shot),
-        "--prompt=blue box",
-        f"--out={out}",
-    ]
+    command = [sys.executable, str(BATCH_PY), "--events", "run", str(shot), "--prompt=blue box", f"--out={out}"]
     command += [*QUICK, f"--rounds={rounds}", f"--steps={rounds + 1}"]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8"
-    ) as process:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8") as process:
         assert any(heard in line for line in process.stdout)
         (engine,) = children(process.pid)
         os.kill(engine, signal.SIGSTOP)  # what it is asked next, it is in the middle of

@@ -52,12 +52,7 @@ def test_steps_are_in_the_file_and_go_on_from_there(vibed):
     bpy.ops.wm.save_as_mainfile(filepath=str(vibed.parent / "by_hand.blend"))
     out = vibed.parent / "on"
     code, output = run_headless(
-        "run",
-        vibed.parent / "by_hand.blend",
-        "--then=a bit darker",
-        "--then=a bit cooler",
-        f"--out={out}",
-        *QUICK,
+        "run", vibed.parent / "by_hand.blend", "--then=a bit darker", "--then=a bit cooler", f"--out={out}", *QUICK
     )
     assert code == 0, output
     assert exposure(out / "vibed.blend") < before

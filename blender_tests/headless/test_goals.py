@@ -56,9 +56,7 @@ def test_the_preset_of_a_run_has_its_goals(runs):
 def test_goals_that_are_wrong_are_one_line_and_leave_nothing(tmp_path):
     shot = save_scene(tmp_path / "shot.blend")
     (tmp_path / "goals.json").write_text('{"words": [{"word": "x", "slot": "none"}]}')
-    code, output = run_headless(
-        "run", shot, f"--goals={tmp_path / 'goals.json'}", f"--out={tmp_path / 'out'}", *QUICK
-    )
+    code, output = run_headless("run", shot, f"--goals={tmp_path / 'goals.json'}", f"--out={tmp_path / 'out'}", *QUICK)
     assert code == 2, output
     (line,) = [line for line in output.splitlines() if line.startswith("vibe: ")]
     assert "goals.words[0].slot is 'none'" in line

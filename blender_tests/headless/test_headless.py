@@ -47,9 +47,7 @@ def test_it_writes_all_its_files_and_nothing_else(vibed):
 
 def test_its_report_says_what_was_done(vibed):
     report = json.loads((vibed[0] / "out" / "report.json").read_text())
-    wanted = (
-        "prompt encoder seed parameters rounds similarity delta_e timings versions subject warnings claims"
-    )
+    wanted = "prompt encoder seed parameters rounds similarity delta_e timings versions subject warnings claims"
     assert set(wanted.split()) <= set(report)
     assert report["subject"] == ["Box"]
     assert report["versions"]["blender"] == bpy.app.version_string
@@ -66,9 +64,7 @@ def test_its_report_says_what_was_done(vibed):
 def test_the_values_are_in_the_blend(vibed):
     folder, _ = vibed
     bpy.ops.wm.open_mainfile(filepath=str(folder / "out" / "vibed.blend"))
-    after = json.loads((folder / "out" / "report.json").read_text())["parameters"]["material/Box/base_color"][
-        "after"
-    ]
+    after = json.loads((folder / "out" / "report.json").read_text())["parameters"]["material/Box/base_color"]["after"]
     shader = bpy.data.materials["Box"].node_tree.nodes["Principled BSDF"]
     assert shader.inputs["Base Color"].default_value[:3] == pytest.approx(after, abs=1e-5)
 
@@ -105,14 +101,7 @@ def test_an_export_for_explaining_leaves_the_file_alone(vibed, tmp_path):
 
 
 def test_explain_reads_a_scene(vibed):
-    command = [
-        sys.executable,
-        "-m",
-        "proxy_renderer.cli",
-        "explain",
-        "the box is dark oak, rim light",
-        "--json",
-    ]
+    command = [sys.executable, "-m", "proxy_renderer.cli", "explain", "the box is dark oak, rim light", "--json"]
     shot = vibed[0] / "shot.blend"
     done = subprocess.run([*command, str(shot)], capture_output=True, encoding="utf-8", timeout=300, cwd=ROOT)
     assert done.returncode == 0, done.stderr
@@ -132,9 +121,7 @@ def test_a_preset_is_applied(vibed, tmp_path):
     assert code == 0, output
     assert {p.name for p in tmp_path.iterdir()} == {"before.png", "after.png", "vibed.blend"}
     bpy.ops.wm.open_mainfile(filepath=str(folder / "out" / "vibed.blend"))
-    wanted = tuple(
-        bpy.data.materials["Box"].node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value
-    )
+    wanted = tuple(bpy.data.materials["Box"].node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value)
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "vibed.blend"))
     shader = bpy.data.materials["Box"].node_tree.nodes["Principled BSDF"]
     assert tuple(shader.inputs["Base Color"].default_value) == pytest.approx(wanted, abs=1e-4)
@@ -143,17 +130,8 @@ def test_a_preset_is_applied(vibed, tmp_path):
 @pytest.mark.slow
 def test_an_interrupt_saves_the_best_so_far(vibed, tmp_path):
     command = [sys.executable, str(BATCH_PY), "--events", "run", str(vibed[0] / "shot.blend")]
-    command += [
-        "--prompt=blue box",
-        f"--out={tmp_path}",
-        "--rounds=500",
-        "--steps=500",
-        "--figures",
-        *QUICK[2:],
-    ]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8"
-    ) as process:
+    command += ["--prompt=blue box", f"--out={tmp_path}", "--rounds=500", "--steps=500", "--figures", *QUICK[2:]]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8") as process:
         end = time.monotonic() + 200
         for line in process.stdout:
             assert time.monotonic() < end

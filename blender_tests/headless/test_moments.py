@@ -39,10 +39,7 @@ def test_it_writes_an_image_for_each_moment_and_a_strip(keyed):
     images = {"before.png", "after.png", "before-2.png", "after-2.png", "moments.png"}
     assert {path.name for path in out.iterdir()} == {*images, "vibed.blend", "report.json"}
     report = json.loads((out / "report.json").read_text("utf-8"))
-    assert [(row["frame"], row["after"]) for row in report["moments"]] == [
-        (1, "after.png"),
-        (11, "after-2.png"),
-    ]
+    assert [(row["frame"], row["after"]) for row in report["moments"]] == [(1, "after.png"), (11, "after-2.png")]
     assert all(row["verdicts"] for row in report["moments"])
     assert report["left_alone"] == []
     assert "Keyframes from frame 1 to 11." in output

@@ -8,9 +8,7 @@ from lab.blender.like.hidden import hidden_values
 
 
 def instances(*rows):
-    made = [
-        schema.Instance(schema.FAMILIES[f], owner, value, ref, role) for f, owner, value, ref, role in rows
-    ]
+    made = [schema.Instance(schema.FAMILIES[f], owner, value, ref, role) for f, owner, value, ref, role in rows]
     return {instance.key: instance for instance in made}
 
 
@@ -52,7 +50,5 @@ def test_only_what_the_groups_name_is_hidden_and_roles_stay():
 
 
 def test_some_looks_have_fog():
-    foggy = [
-        hidden_values(scene("world/color", "A"), str(n), LOOK)["volume/density"][0] > 0 for n in range(200)
-    ]
+    foggy = [hidden_values(scene("world/color", "A"), str(n), LOOK)["volume/density"][0] > 0 for n in range(200)]
     assert 70 < sum(foggy) < 130

@@ -46,27 +46,19 @@ def test_light_comes_from_where_the_lamp_is(studio, plain):
     right = studio.shoot(light__Key__azimuth=50.0)
     top = studio.shoot(light__Key__azimuth=0.0, light__Key__elevation=80.0)
     assert (
-        measures.taken("light_right", plain, "subject")
-        < -0.25
-        < 0.25
-        < measures.taken("light_right", right, "subject")
+        measures.taken("light_right", plain, "subject") < -0.25 < 0.25 < measures.taken("light_right", right, "subject")
     )
     assert measures.taken("light_up", top, "subject") > 0.6
 
 
 def test_a_small_lamp_is_harder_than_a_large_one(studio, plain):
     soft = studio.shoot(light__Key__size=6.0)
-    assert (
-        measures.taken("hardness", plain, "surroundings")
-        > measures.taken("hardness", soft, "surroundings") + 0.15
-    )
+    assert measures.taken("hardness", plain, "surroundings") > measures.taken("hardness", soft, "surroundings") + 0.15
 
 
 def test_tungsten_is_warm_and_shade_is_cool(studio):
     warm, cool = (studio.shoot(light__Key__temperature=k, film__gamma=1.0) for k in (2600.0, 12000.0))
-    assert (
-        measures.taken("warmth", warm, "surroundings") > measures.taken("warmth", cool, "surroundings") + 10.0
-    )
+    assert measures.taken("warmth", warm, "surroundings") > measures.taken("warmth", cool, "surroundings") + 10.0
 
 
 def test_a_black_picture_hides_the_subject_and_a_close_camera_cuts_it(studio, plain):
@@ -80,28 +72,13 @@ def test_a_black_picture_hides_the_subject_and_a_close_camera_cuts_it(studio, pl
 
 @pytest.mark.slow
 def test_runs_follow_one_another_and_a_bad_one_does_not_end_them(tmp_path):
-    quick = [
-        "--rounds=1",
-        "--steps=1",
-        "--size=48",
-        "--samples=2",
-        "--no-anchor",
-        "--vlm-model=off",
-        "--figures",
-    ]
+    quick = ["--rounds=1", "--steps=1", "--size=48", "--samples=2", "--no-anchor", "--vlm-model=off", "--figures"]
     rows = [
-        {
-            "name": "bad",
-            "set": "duck",
-            "clear": False,
-            "arguments": ["--prompt=glossy", "--encoder=none/x", *quick],
-        },
+        {"name": "bad", "set": "duck", "clear": False, "arguments": ["--prompt=glossy", "--encoder=none/x", *quick]},
         {"name": "good", "set": "duck", "clear": True, "arguments": ["--prompt=red, foggy", *quick]},
     ]
     work = tmp_path / "runs.json"
-    work.write_text(
-        json.dumps([row | {"folder": str(tmp_path / row["name"]), "environment": {}} for row in rows])
-    )
+    work.write_text(json.dumps([row | {"folder": str(tmp_path / row["name"]), "environment": {}} for row in rows]))
     told = {e["name"]: e for e in blender.scenes("*", [f"--work={work}"], "paper") if e["type"] != "names"}
     assert told["bad"]["type"] == "failed"
     assert "none/x" in told["bad"]["message"]

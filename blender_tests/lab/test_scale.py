@@ -11,9 +11,7 @@ SIZES = {"triangles": 600, "lights": 3, "materials": 3, "pixels": 32, "shots": 2
 
 
 def test_the_scene_has_the_sizes(tmp_path):
-    blender.command(
-        "scale", tmp_path, *(SIZES[name] for name in ("triangles", "lights", "materials", "shots"))
-    )
+    blender.command("scale", tmp_path, *(SIZES[name] for name in ("triangles", "lights", "materials", "shots")))
     scenes = [load_scene(tmp_path / str(number)) for number in range(SIZES["shots"])]
     assert len(scenes[0].mesh.faces) == pytest.approx(SIZES["triangles"], rel=0.1)
     assert (len(scenes[0].lights), len(scenes[0].materials)) == (SIZES["lights"], SIZES["materials"])

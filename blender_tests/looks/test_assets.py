@@ -84,9 +84,7 @@ def test_catalogs_join_those_that_are_there(tmp_path):
         assets.add_catalogs(root, ["Vibe Render/Worlds"])
     lines = (root / assets.CATALOG_FILE).read_text().splitlines()
     assert lines[2].endswith(":Mine:Mine")
-    assert lines[3:] == [
-        f"{assets.catalog_identifier('Vibe Render/Worlds')}:Vibe Render/Worlds:Vibe Render-Worlds"
-    ]
+    assert lines[3:] == [f"{assets.catalog_identifier('Vibe Render/Worlds')}:Vibe Render/Worlds:Vibe Render-Worlds"]
 
 
 def test_a_catalog_file_of_the_future_is_left_alone(tmp_path):

@@ -65,9 +65,7 @@ def test_the_looks_that_come_along_are_close_everywhere(tmp_path, path):
     film = transfer.load_preset(path).roles.get("film", [{}])[0]
     values = {name: value for name, value in film.items() if name in lut.neutral_grade()}
     random = np.random.default_rng(5)
-    difference = off(
-        tmp_path, values, random.uniform(0.0, 1.0, (20_000, 3)) * random.choice([1.0, 0.3], (20_000, 1))
-    )
+    difference = off(tmp_path, values, random.uniform(0.0, 1.0, (20_000, 3)) * random.choice([1.0, 0.3], (20_000, 1)))
     more = values.get("saturation", [1.0])[0] > 1.0
     assert difference.max() < (0.03 if more else 0.01)
     assert difference.mean() < 2e-4

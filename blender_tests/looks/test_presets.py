@@ -196,10 +196,7 @@ def test_what_does_not_fit_is_listed(look, tmp_path):
     assert "Stand: Roughness: " in rest
     assert "fill" not in rest.casefold()
     assert fitted.values["light/Vibe Rim/color"] == [1.0, 0.2, 0.1]
-    assert (
-        bindings.write(scene, fitted.values, scene_reading.analysis.objects, scene_reading.analysis.pivot)
-        == {}
-    )
+    assert bindings.write(scene, fitted.values, scene_reading.analysis.objects, scene_reading.analysis.pivot) == {}
     rim = bpy.data.objects["Vibe Rim"]
     low, high = scene_context.bounds(scene, scene_reading.analysis.objects)
     distance = (rim.matrix_world.translation - (low + high) / 2.0).length

@@ -93,8 +93,7 @@ def test_values_are_tried_and_taken_back(studio):
 def test_same_seed_same_picture(studio):
     scene, subject, path = studio
     first, again = (
-        load(scene, path, anchors.render_anchor(scene, path, TRIED, subject, PIVOT, 48, 8)).whole
-        for _ in range(2)
+        load(scene, path, anchors.render_anchor(scene, path, TRIED, subject, PIVOT, 48, 8)).whole for _ in range(2)
     )
     assert torch.equal(first, again)
 

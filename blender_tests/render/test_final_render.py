@@ -72,9 +72,7 @@ def test_the_artists_compositor_is_in_the_picture_and_its_files_are_not_written(
 def test_fog_has_no_noise(scene, tmp_path):
     """Albedo and normals have noise in it too, which a denoiser that trusts them would put into the picture."""
     subject = scenes.studio(scene)
-    bindings.write(
-        scene, {"volume/density": (0.15,), "volume/color": (0.9, 0.9, 0.9)}, subject, (0.0, 0.0, 0.0)
-    )
+    bindings.write(scene, {"volume/density": (0.15,), "volume/color": (0.9, 0.9, 0.9)}, subject, (0.0, 0.0, 0.0))
     final_render.render_picture(scene, tmp_path / "fog.png", 96, 32)
     pixels = _pixels(tmp_path / "fog.png").reshape(-1, 96, 3)
     steps = np.abs(np.diff(pixels, axis=1)).mean(-1)

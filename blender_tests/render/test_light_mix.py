@@ -31,10 +31,7 @@ def glow(obj):
     """The cube glows, and is sampled as a light however little; Cycles' own choice depends on its strength."""
     obj.data.materials[0].cycles.emission_sampling = "FRONT"
     inputs = scenes.shader(obj.data.materials[0]).inputs
-    inputs["Emission Color"].default_value, inputs["Emission Strength"].default_value = (
-        (1.0, 0.6, 0.2, 1.0),
-        0.4,
-    )
+    inputs["Emission Color"].default_value, inputs["Emission Strength"].default_value = ((1.0, 0.6, 0.2, 1.0), 0.4)
 
 
 def linear(scene):
@@ -87,12 +84,7 @@ def test_the_layers_add_up_to_the_same_picture_as_without_them(mixed, tmp_path, 
 
 
 def test_a_mix_is_a_new_render_with_the_lights_mixed_so(mixed, tmp_path):
-    colors = {
-        "Sun": (0.5, 0.5, 0.5),
-        "Area": (3.0, 1.5, 0.6),
-        "World": (0.2, 0.4, 1.0),
-        "Emission": (2.0, 1.0, 2.0),
-    }
+    colors = {"Sun": (0.5, 0.5, 0.5), "Area": (3.0, 1.5, 0.6), "World": (0.2, 0.4, 1.0), "Emission": (2.0, 1.0, 2.0)}
     before = dump()
     _, layers, mix = render(mixed, tmp_path)
     channels = light_mix._channels(mixed, layers)
@@ -101,9 +93,7 @@ def test_a_mix_is_a_new_render_with_the_lights_mixed_so(mixed, tmp_path):
     expected, got = mix.mixed(colors), new.mixed({})
     assert np.abs(expected - mix.mixed({})).mean() > 0.05
     assert np.abs(expected - got).max() < 1e-4 * max(1.0, got.max())
-    assert bpy.data.lights["Area"].energy == pytest.approx(
-        3.0 * 20.0 * 50.0, rel=1.0
-    )  # the largest part is power
+    assert bpy.data.lights["Area"].energy == pytest.approx(3.0 * 20.0 * 50.0, rel=1.0)  # the largest part is power
     assert result.revert(mixed) == []
     assert changes(before).keys() - {path for path in changes(before) if "Render Result" in path} == set()
 
@@ -165,9 +155,7 @@ def test_the_artists_light_groups_are_layers_of_their_own_and_stay(mixed, tmp_pa
     assert [group.name for group in layer.lightgroups] == ["Front", "Unused"]
 
 
-@pytest.mark.parametrize(
-    ("lights", "world", "titles"), [(0, False, []), (0, True, ["World"]), (1, False, ["Bulb"])]
-)
+@pytest.mark.parametrize(("lights", "world", "titles"), [(0, False, []), (0, True, ["World"]), (1, False, ["Bulb"])])
 def test_few_lights(scene, tmp_path, lights, world, titles):
     scenes.cube(scene, "Cube")
     scenes.camera(scene)

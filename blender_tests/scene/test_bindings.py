@@ -159,6 +159,4 @@ def test_bad_values_change_nothing(scene):
         with pytest.raises(schema.VibeError):
             bindings.write(scene, {"film/exposure": (1.0,), "film/vignette": (0.5,)} | bad, subject, PIVOT)
     assert bindings.read(scene, subject, PIVOT) == before
-    assert bindings.write(scene, {"light/Nobody/power": (1.0,)}, subject, PIVOT).keys() == {
-        "light/Nobody/power"
-    }
+    assert bindings.write(scene, {"light/Nobody/power": (1.0,)}, subject, PIVOT).keys() == {"light/Nobody/power"}

@@ -49,12 +49,7 @@ def look_at(path, folder):
     bpy.ops.render.render(write_still=True)
     picture = bpy.data.images.load(scene.render.filepath)
     things = {
-        o.name: (
-            o.parent and o.parent.name,
-            o.active_material.name,
-            len(o.data.uv_layers),
-            len(o.data.polygons),
-        )
+        o.name: (o.parent and o.parent.name, o.active_material.name, len(o.data.uv_layers), len(o.data.polygons))
         for o in bpy.context.selected_objects
     }
     shaders = {

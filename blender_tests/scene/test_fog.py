@@ -60,9 +60,7 @@ def wall(scene):
 )
 def test_extinction(wall, tmp_path, values):
     scene, subject = wall
-    write(
-        scene, subject, color=(0.0, 0.0, 0.0), **values
-    )  # absorbs only; but there was no fog to have a color
+    write(scene, subject, color=(0.0, 0.0, 0.0), **values)  # absorbs only; but there was no fog to have a color
     write(scene, subject, color=(0.0, 0.0, 0.0))
     transmitted = rendered(scene, tmp_path, samples=64).mean(axis=(1, 2))
     height = ((np.arange(SIZE) + 0.5) / SIZE - 0.5) * VIEW
@@ -118,10 +116,7 @@ def test_the_box_holds_camera_and_subject_and_is_out_of_the_artists_way(scene):
         assert a == pytest.approx(b, abs=1e-4)
     assert box_domain.base == planned.base == pytest.approx(0.0, abs=1e-6)
     low, high = box_domain.center - box_domain.half_size, box_domain.center + box_domain.half_size
-    for point in (
-        scene.camera.location,
-        *(subject[0].matrix_world @ Vector(c) for c in subject[0].bound_box),
-    ):
+    for point in (scene.camera.location, *(subject[0].matrix_world @ Vector(c) for c in subject[0].bound_box)):
         assert all(a < p < b for a, p, b in zip(low, point, high, strict=True))
     assert box not in scene_context.meshes(scene)
     assert not [i for i in bindings.instances(scene, subject, PIVOT).values() if i.owner == "Vibe Fog"]

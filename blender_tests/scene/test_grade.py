@@ -136,9 +136,7 @@ def test_the_artists_chain_stays_before_the_grade(scene, tmp_path):
     scenes.camera(scene)
     scenes.world(scene).node_tree.nodes["Background"].inputs["Color"].default_value = (0.1, 0.1, 0.1, 1.0)
     tree = scenes.compositor(scene)
-    next(n for n in tree.nodes if n.bl_idname == "CompositorNodeExposure").inputs[
-        "Exposure"
-    ].default_value = 2.0
+    next(n for n in tree.nodes if n.bl_idname == "CompositorNodeExposure").inputs["Exposure"].default_value = 2.0
     scene.render.resolution_x, scene.render.resolution_y = 16, 16
     apply(scene, grade_gamma=2.0)
     np.testing.assert_allclose(composited(scene, tmp_path)[8, 8, :3], 0.16, rtol=1e-3)
@@ -152,9 +150,7 @@ def test_compositing_that_was_switched_off_stays_out(scene, tmp_path):
     scenes.camera(scene)
     scenes.world(scene).node_tree.nodes["Background"].inputs["Color"].default_value = (0.1, 0.1, 0.1, 1.0)
     tree = scenes.compositor(scene)
-    next(n for n in tree.nodes if n.bl_idname == "CompositorNodeExposure").inputs[
-        "Exposure"
-    ].default_value = 2.0
+    next(n for n in tree.nodes if n.bl_idname == "CompositorNodeExposure").inputs["Exposure"].default_value = 2.0
     scene.render.use_compositing = False
     scene.render.resolution_x, scene.render.resolution_y = 16, 16
     apply(scene, grade_exposure=1.0)

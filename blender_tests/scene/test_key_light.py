@@ -28,10 +28,7 @@ def lights(scene):
     mesh_object(scene, "Plane", corners, [(0, 1, 2, 3)], white)
     plain_world(scene, (0.0, 0.0, 0.0), 0.0)
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    camera.matrix_world, camera.data.angle = (
-        orbit_matrix((0.0, 0.0, 0.0), 0.0, 0.0, 6.0),
-        math.radians(2.0),
-    )
+    camera.matrix_world, camera.data.angle = (orbit_matrix((0.0, 0.0, 0.0), 0.0, 0.0, 6.0), math.radians(2.0))
     scene.collection.objects.link(camera)
     scene.camera = camera
     return {kind: _light(scene, kind, distance) for kind, distance in DISTANCES.items()}

@@ -172,8 +172,7 @@ def test_a_tint_that_was_kept_is_where_it_starts(scene, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "again",
-    [pytest.param(False, id="on standby"), pytest.param(True, id="exported again", marks=pytest.mark.slow)],
+    "again", [pytest.param(False, id="on standby"), pytest.param(True, id="exported again", marks=pytest.mark.slow)]
 )
 def test_the_proxy_sees_what_cycles_renders(studio, tmp_path, again):
     _, backdrop, place = exported(studio, tmp_path)
@@ -225,9 +224,7 @@ def test_a_preset_brings_it_to_another_scene(scene, tmp_path):
         assert fitted.rest == []
         horizon = {"world/backdrop_horizon"} if world is plain else set()  # a picture has its own
         assert set(fitted.values) == {f"world/backdrop_{color}", "world/backdrop_strength"} | horizon
-        assert (
-            bindings.write(bpy.context.scene, fitted.values, read.analysis.objects, read.analysis.pivot) == {}
-        )
+        assert bindings.write(bpy.context.scene, fitted.values, read.analysis.objects, read.analysis.pivot) == {}
         assert backgrounds.has_backdrop(bpy.context.scene.world)
 
 

@@ -35,9 +35,7 @@ def test_the_new_camera_sees_the_whole_subject(scene, size, scale):
     scene.render.resolution_x, scene.render.resolution_y = size
     subject = scenes.cube(scene, "Cube", (3.0, 2.0, 1.0), scale)
     prepare.prepare_scene(scene, [subject])
-    corners = [
-        world_to_camera_view(scene, scene.camera, subject.matrix_world @ Vector(c)) for c in subject.bound_box
-    ]
+    corners = [world_to_camera_view(scene, scene.camera, subject.matrix_world @ Vector(c)) for c in subject.bound_box]
     assert all(0.0 < p.x < 1.0 and 0.0 < p.y < 1.0 for p in corners)
     assert max(p.x for p in corners) - min(p.x for p in corners) > 0.2
     data = scene.camera.data

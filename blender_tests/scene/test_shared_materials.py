@@ -113,23 +113,14 @@ def test_nothing_is_asked_where_no_material_may_change(addon):
 
 @pytest.mark.parametrize(
     ("described", "asked"),
-    [
-        ("subject", {"Body"}),
-        ("Body", {"Body"}),
-        ("Lamp + Floor", {"Body"}),
-        ("lights", set()),
-        ("Lamp", set()),
-    ],
+    [("subject", {"Body"}), ("Body", {"Body"}), ("Lamp + Floor", {"Body"}), ("lights", set()), ("Lamp", set())],
 )
 def test_only_what_words_describe_is_asked_about(scene, described, asked):
     subject = sharing(scene)
     word = messages.WordReading("warm", "understood", candidates=[described, "Body"])
     session = object.__new__(Session)
     session.prompt, session.like, session.stage, session._job = "warm", "", "", None
-    session._options, session._engine = (
-        messages.Options(),
-        Reader([messages.WordReading("hm", "left out"), word]),
-    )
+    session._options, session._engine = (messages.Options(), Reader([messages.WordReading("hm", "left out"), word]))
     names = []
 
     def read():

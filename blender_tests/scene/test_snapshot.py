@@ -114,9 +114,7 @@ def test_revert_after_the_artist_has_renamed_and_removed_things(scene):
     assert after["material/Skin/roughness"] == before["material/Body/roughness"]
     assert after["light/Sonne/elevation"] == pytest.approx(before["light/Sun/elevation"], abs=1e-3)
     assert after["film/exposure"] == before["film/exposure"]
-    assert not [
-        b for c in ("objects", "materials", "node_groups") for b in getattr(bpy.data, c) if owned.MARK in b
-    ]
+    assert not [b for c in ("objects", "materials", "node_groups") for b in getattr(bpy.data, c) if owned.MARK in b]
 
 
 def test_a_shared_world_is_changed_for_one_scene_only(scene):

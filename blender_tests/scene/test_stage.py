@@ -22,9 +22,7 @@ def write_mesh(path):
     if path.suffix == ".obj":
         path.write_text(vertices + "".join("f {} {} {}\n".format(*(i + 1 for i in f)) for f in FACES))
     elif path.suffix == ".ply":
-        head = (
-            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-        )
+        head = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
         head += "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
         path.write_text(head + vertices.replace("v ", "") + "".join("3 {} {} {}\n".format(*f) for f in FACES))
     elif path.suffix == ".stl":
@@ -80,9 +78,7 @@ def test_a_mesh_stands_as_its_skeleton_poses_it(tmp_path):
 def test_the_stage_is_not_the_subject_and_fills_the_frame(tmp_path, kind):
     scene = build_stage(write_mesh(tmp_path / "thing.obj"), kind)
     staged = analysis.analyze(scene, SubjectChoice())
-    names = [
-        name for (name, _), chosen in zip(staged.geometry.objects, staged.is_subject, strict=True) if chosen
-    ]
+    names = [name for (name, _), chosen in zip(staged.geometry.objects, staged.is_subject, strict=True) if chosen]
     assert names == ["thing"]
     assert ("Stage" in staged.geometry.materials) == (kind != "none")
     if kind == "cyclorama":

@@ -26,15 +26,9 @@ def steps():
     first = goals(("warm light", "warm light", "", []), ("vignette", "vignette", "", []), holds=False)
     values = {POWER: [100.0], VIGNETTE: [0.5]}
     reasons = {POWER: "'warm light'", VIGNETTE: "'vignette' (dark corners)"}
+    made.add(Change(made, title="warm light, vignette"), {POWER: [50.0], VIGNETTE: [0.0]}, values, reasons, first)
     made.add(
-        Change(made, title="warm light, vignette"), {POWER: [50.0], VIGNETTE: [0.0]}, values, reasons, first
-    )
-    made.add(
-        Change(made, title="darker"),
-        made.values(),
-        {POWER: [50.0]},
-        {POWER: "'darker'"},
-        goals(("darker", "", "", [])),
+        Change(made, title="darker"), made.values(), {POWER: [50.0]}, {POWER: "'darker'"}, goals(("darker", "", "", []))
     )
     red = goals(("red", "red", "wall", ["Wall"]))
     made.add(
@@ -119,13 +113,7 @@ def test_half_and_twice_as_strong_are_of_the_last_step(steps):
     assert steps.change("twice as strong").values[POWER] == pytest.approx([25.0])
 
 
-@pytest.mark.parametrize(
-    ("sentence", "problem"),
-    [
-        (" ", "empty"),
-        ("back to step 9", "no step 9"),
-    ],
-)
+@pytest.mark.parametrize(("sentence", "problem"), [(" ", "empty"), ("back to step 9", "no step 9")])
 def test_what_is_not_there_is_one_line_with_its_remedy(steps, sentence, problem):
     with pytest.raises(VibeError, match=problem) as caught:
         steps.change(sentence)

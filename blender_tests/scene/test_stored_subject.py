@@ -45,9 +45,7 @@ def test_it_stands_in_for_a_selection(still_life):
     with pytest.raises(VibeError, match="Nothing is selected"):
         reading.read_scene(still_life, SubjectChoice(selected=True))
     remember_subject(still_life, [bpy.data.objects["Ring"]], SubjectChoice(("Ring",)))
-    assert [
-        o.name for o in reading.read_scene(still_life, SubjectChoice(selected=True)).analysis.objects
-    ] == ["Ring"]
+    assert [o.name for o in reading.read_scene(still_life, SubjectChoice(selected=True)).analysis.objects] == ["Ring"]
 
 
 def test_the_menu_makes_it_ours_again(still_life):

@@ -60,13 +60,7 @@ def test_the_tint_of_a_texture(scene, tmp_path, color, recolor):
 
 def test_an_identity_adds_nothing_and_two_materials_share_one_group(scene):
     subject = scenes.textured(scene)
-    write(
-        scene,
-        subject,
-        material__Painted__tint=(1.0, 1.0, 1.0),
-        material__Painted__recolor=0.0,
-        world__rotation=0.0,
-    )
+    write(scene, subject, material__Painted__tint=(1.0, 1.0, 1.0), material__Painted__recolor=0.0, world__rotation=0.0)
     assert not bpy.data.node_groups.get("Vibe Tint")
     write(scene, subject, material__Painted__tint=(0.5, 1.0, 1.0), world__tint=(1.0, 0.5, 1.0))
     assert len([g for g in bpy.data.node_groups if owned.MARK in g]) == 1

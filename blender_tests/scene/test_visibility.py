@@ -25,8 +25,7 @@ def blenders(scene):
 
 
 @pytest.mark.parametrize(
-    ("kind", "lens", "shift"),
-    [("PERSP", 50, 0.0), ("PERSP", 12, 0.3), ("PERSP", 200, 0.0), ("ORTHO", 2, 0.0)],
+    ("kind", "lens", "shift"), [("PERSP", 50, 0.0), ("PERSP", 12, 0.3), ("PERSP", 200, 0.0), ("ORTHO", 2, 0.0)]
 )
 def test_rays_meet_what_blenders_own_meet(kind, lens, shift):
     """Things behind the camera and between the rays are left out before; what is met stays the same."""
@@ -37,8 +36,6 @@ def test_rays_meet_what_blenders_own_meet(kind, lens, shift):
     camera.lens, camera.ortho_scale = lens, lens
     bpy.context.view_layer.update()
     visible_scene = analysis.capture(scene).visible_scene()
-    names = np.array([name for name, _ in visible_scene.geometry.objects] + [""], object)[
-        visible_scene.visible.object
-    ]
+    names = np.array([name for name, _ in visible_scene.geometry.objects] + [""], object)[visible_scene.visible.object]
     assert len(set(names.ravel())) > 2
     assert (names == blenders(scene)).mean() > 0.99  # edges are rounded otherwise

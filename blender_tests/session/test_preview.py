@@ -15,8 +15,7 @@ from vibing import advance
 def some_values(scene, subject, level):
     found = bindings.instances(scene, subject, PIVOT)
     return {
-        key: [(1.0 - level) * a + level * b for a, b in zip(i.lower, i.upper, strict=True)]
-        for key, i in found.items()
+        key: [(1.0 - level) * a + level * b for a, b in zip(i.lower, i.upper, strict=True)] for key, i in found.items()
     }
 
 

@@ -42,10 +42,7 @@ def render(scene: SceneData, size: tuple[int, int]) -> torch.Tensor:
 
 
 @pytest.mark.parametrize(
-    "name",
-    few_of(
-        FAULTS, {"no_lights", "nan_texture", "zero_scale", "geometry_nodes", "broken_texture", "shape_keys"}
-    ),
+    "name", few_of(FAULTS, {"no_lights", "nan_texture", "zero_scale", "geometry_nodes", "broken_texture", "shape_keys"})
 )
 def test_fault(scene, tmp_path, name):
     fault = FAULTS[name]
@@ -56,9 +53,7 @@ def test_fault(scene, tmp_path, name):
     assert fault.warns or fault.near is None or not warnings
     longest = max(scene.render.resolution_x, scene.render.resolution_y)
     size = scene.render.resolution_x, scene.render.resolution_y
-    SceneIndex(described(read), default_vocabulary()).named(
-        ("lamp",)
-    )  # what a prompt may name can be looked up
+    SceneIndex(described(read), default_vocabulary()).named(("lamp",))  # what a prompt may name can be looked up
     picture = render(read, size)
     if fault.near is not None:
         final_render.render_picture(scene, tmp_path / "cycles.png", longest, SAMPLES)

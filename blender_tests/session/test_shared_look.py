@@ -59,9 +59,7 @@ def opened(path):
 
 
 def run(out, *arguments):
-    code, output = run_headless(
-        "run", *arguments, "--prompt=glossy teal box, dim warm light", f"--out={out}", *QUICK
-    )
+    code, output = run_headless("run", *arguments, "--prompt=glossy teal box, dim warm light", f"--out={out}", *QUICK)
     assert code == 0, output
     return json.loads((out / "report.json").read_text()), output
 
@@ -144,9 +142,7 @@ def test_final_frames_are_seen_through_the_shots_camera(folder):
     ],
 )
 def test_mistakes(folder, tmp_path, arguments, message):
-    code, output = run_headless(
-        "run", folder / "shot.blend", "--prompt=noir", f"--out={tmp_path}", *arguments
-    )
+    code, output = run_headless("run", folder / "shot.blend", "--prompt=noir", f"--out={tmp_path}", *arguments)
     assert code == 2
     assert message in output
     assert "Traceback" not in output

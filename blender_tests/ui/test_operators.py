@@ -31,9 +31,7 @@ def vibed(addon):
     before = contents()
     addon.vibe.prompt = PROMPT
     records = {key: {"reason": "red"} for key in FOUND}
-    result.apply(
-        addon, PROMPT, messages.Result(FOUND, {"parameters": records}, "prediction.png"), subject, PIVOT
-    )
+    result.apply(addon, PROMPT, messages.Result(FOUND, {"parameters": records}, "prediction.png"), subject, PIVOT)
     return addon, before
 
 
@@ -118,10 +116,7 @@ def test_another_variant_brings_its_own_reasons(vibed):
     there = bindings.read(scene, (), PIVOT)
     assert there["light/Area/power"] == pytest.approx((90.0,))
     assert there["film/contrast"] == pytest.approx(original)
-    assert {c.name: c.reason for c in scene.vibe.changes} == {
-        "light/Area/power": "bright",
-        "world/strength": "",
-    }
+    assert {c.name: c.reason for c in scene.vibe.changes} == {"light/Area/power": "bright", "world/strength": ""}
     assert bpy.ops.vibe.revert() == {"FINISHED"}
     assert difference(before, contents()) == {}
 

@@ -143,9 +143,7 @@ def test_moving_strength_shows_the_look_again(addon):
 
 def test_properties_of_options_come_from_the_table(addon, monkeypatch):
     """A made-up option has one; those of the panel and of the preferences have their titles, bounds and defaults."""
-    sparkle = Option(
-        "sparkle", 3, "how much", "effort", bounds=(1, 9), panel=Panel("Sparkle", "How much", (1, 5))
-    )
+    sparkle = Option("sparkle", 3, "how much", "effort", bounds=(1, 9), panel=Panel("Sparkle", "How much", (1, 5)))
     monkeypatch.setattr(options, "TABLE", (*options.TABLE, sparkle))
     extended = declare("Extended", preferences=False)
     sparkling = type("VibeSparkling", (extended, bpy.types.PropertyGroup), {})
@@ -164,10 +162,7 @@ def test_properties_of_options_come_from_the_table(addon, monkeypatch):
         found = (own if row.panel.preferences else scene)[row.name]
         assert (found.name, found.description) == (row.panel.title, row.panel.description)
         if type(row.default) is int:
-            assert (found.default, (found.hard_min, found.hard_max)) == (
-                row.default,
-                row.panel.bounds or row.bounds,
-            )
+            assert (found.default, (found.hard_min, found.hard_max)) == (row.default, row.panel.bounds or row.bounds)
     addon.vibe.prompt = "x" * (LONGEST_PROMPT + 1)
     assert len(addon.vibe.prompt) == LONGEST_PROMPT
 

@@ -88,9 +88,7 @@ def test_a_light_is_mixed_by_its_slider(walk):
         assert observed[seen], seen
 
 
-@pytest.mark.skipif(
-    "VIBE_WINDOW_OUT" not in os.environ, reason="takes ten minutes; its parts are tested one by one"
-)
+@pytest.mark.skipif("VIBE_WINDOW_OUT" not in os.environ, reason="takes ten minutes; its parts are tested one by one")
 def test_an_artists_hour(walk):
     """Sentences, a change by hand, light mix, keyframes, a checked sequence and final frames; Revert takes all of it back."""
     observed = walk("hour")

@@ -130,10 +130,7 @@ def _simulated(count: int) -> JobRow:
     prompts = tuple(f"a look of which there are many, number {i}" for i in range(min(_PROMPTS, count)))
     scenes = count // len(prompts)
     plan = BatchPlan(
-        [
-            SceneGroup(f"{i}.blend", Path("x.blend"), str(i), prompts, (0,), ("--rounds=6",))
-            for i in range(scenes)
-        ]
+        [SceneGroup(f"{i}.blend", Path("x.blend"), str(i), prompts, (0,), ("--rounds=6",)) for i in range(scenes)]
     )
     process, began = psutil.Process(), [0.0]
     before, start, worked = process.memory_info().rss, time.monotonic(), time.process_time()
@@ -174,22 +171,13 @@ def _real(out: Path, jobs: int, workers: int) -> JobRow:
     with Store(folder / "out") as store:
         pool = local_pool(store.jobs, Setup(limits), workers)
         try:
-            schedule.run(
-                plan,
-                store,
-                pool,
-                limits,
-                lambda what, job, row: ended.append((what, time.monotonic())),
-            )
+            schedule.run(plan, store, pool, limits, lambda what, job, row: ended.append((what, time.monotonic())))
         finally:
             pool.close()
         rows = [row for row in store.rows(plan) if row["status"] == "done"]
         if len(rows) < len(plan):
             raise VibeError(f"{len(plan) - len(rows)} of {len(plan)} jobs have failed.", f"See {store.jobs}.")
-        laps = [
-            (read_json(store.folder / row["folder"] / "report.json") or {})["timings"]["total"]
-            for row in rows
-        ]
+        laps = [(read_json(store.folder / row["folder"] / "report.json") or {})["timings"]["total"] for row in rows]
     warm = slice(workers, None)
     done = [when for what, when in ended if what == "done"]
     seconds = [row["seconds"] for row in rows[warm]]

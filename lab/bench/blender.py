@@ -46,9 +46,7 @@ def scenes(pattern: str, options: Sequence[str], bench: str = "fidelity") -> Ite
             return
         last_line = next((line.strip() for line in reversed(tail) if line.strip()), "nothing")
         if not at or (at in done and len(done) == before):
-            raise VibeError(
-                f"Blender ended unexpectedly. It said last: {last_line[:200]}", "Run `vibe doctor`."
-            )
+            raise VibeError(f"Blender ended unexpectedly. It said last: {last_line[:200]}", "Run `vibe doctor`.")
         if at not in done:
             done.append(at)
             yield {"type": "failed", "name": at, "message": f"Blender ended unexpectedly: {last_line[:200]}"}

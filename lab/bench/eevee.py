@@ -20,12 +20,7 @@ _FRAME = "EEVEE frame, ms: "
 
 
 def measure(
-    blender: str,
-    scenes: Mapping[str, dict[str, Any]],
-    work: Path,
-    size: int,
-    failed: dict[str, str],
-    frames: int = 1,
+    blender: str, scenes: Mapping[str, dict[str, Any]], work: Path, size: int, failed: dict[str, str], frames: int = 1
 ) -> None:
     """Renders WORK/NAME/scene.blend to WORK/NAME/eevee.png, and adds the figures to the scenes' rows.
 
@@ -42,9 +37,7 @@ def measure(
         if not (path.is_file() and times):
             failed[name] = f"EEVEE rendered nothing; Blender said last: {(printed or ['nothing'])[-1][:200]}"
             continue
-        picture, reference = (
-            torch.from_numpy(load_picture(p).copy()) for p in (path, work / name / "cycles.png")
-        )
+        picture, reference = (torch.from_numpy(load_picture(p).copy()) for p in (path, work / name / "cycles.png"))
         apart = difference(picture, reference)
         row |= {"eevee_delta_e": round(apart.delta_e, _DIGITS), "eevee_psnr": round(apart.psnr, _DIGITS)}
         row["eevee_ms"] = float(times[-1])
@@ -60,13 +53,9 @@ def _render(blender: str, scene: Path, size: int, frames: int) -> list[str]:
     command = [blender, "--python-exit-code", "1", "--python", str(_script()), "--"]
     command += [str(size), str(frames), str(scene)]
     try:
-        done = subprocess.run(
-            command, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace"
-        )
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace")
     except OSError as error:
-        raise VibeError(
-            f"{blender} does not start: {error.strerror}.", "Name a Blender with --eevee."
-        ) from error
+        raise VibeError(f"{blender} does not start: {error.strerror}.", "Name a Blender with --eevee.") from error
     return [line.strip() for line in (done.stdout + done.stderr).splitlines() if line.strip()]
 
 

@@ -75,8 +75,7 @@ def run(
         if event["type"] == "failed":
             failed[name] = event["message"]
         print(
-            f"[{len(measured) + len(failed)}/{count}] {name}: {_line(measured.get(name), failed.get(name))}",
-            flush=True,
+            f"[{len(measured) + len(failed)}/{count}] {name}: {_line(measured.get(name), failed.get(name))}", flush=True
         )
     if eevee_blender:
         eevee.measure(eevee_blender, measured, work, size, failed)

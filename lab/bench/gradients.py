@@ -45,9 +45,7 @@ _FAINT = 0.3
 """Change of a region's Lab over the whole of a parameter's scale that nobody sees."""
 
 
-def run(
-    out: Path, size: int = 96, samples: int = 128, only: str = "*", cache_folder: str = ""
-) -> dict[str, Any]:
+def run(out: Path, size: int = 96, samples: int = 128, only: str = "*", cache_folder: str = "") -> dict[str, Any]:
     """Measures, prints a table, and writes OUT/results.json.
 
     Args:
@@ -139,9 +137,7 @@ def functionals(display: Tensor, mask: Tensor, encoder: Encoder, caption: Tensor
     colors = torch.cat((light, lab_from_srgb(display)), -1)
     features = encoder.encode_images(regions.whole(display.permute(2, 0, 1)[None], encoder.size))
     cells = adaptive_avg_pool2d(light.permute(2, 0, 1), _CELLS).flatten()
-    return torch.cat(
-        (mean(colors, mask), mean(colors, 1 - mask), 1 - (features @ caption.T).flatten(), cells)
-    )
+    return torch.cat((mean(colors, mask), mean(colors, 1 - mask), 1 - (features @ caption.T).flatten(), cells))
 
 
 def compare(ours: Tensor, cycles: Tensor) -> dict[str, Any]:

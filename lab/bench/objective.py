@@ -43,9 +43,7 @@ def objective(proxy: Proxy, prompt: str, encoder: Encoder) -> Callable[[Tensor],
         picture, seen = proxy.render({}), proxy.gbuffer({})
         known, values = described(scene), {key: each.value for key, each in scene.instances.items()}
         now = described_now(known, proxy, values, picture)
-        advice = OfflineAdvisor(goals_or_why(Understood(prompt, known))).advise(
-            picture.display, scene.instances, now
-        )
+        advice = OfflineAdvisor(goals_or_why(Understood(prompt, known))).advise(picture.display, scene.instances, now)
         guidance = Method().guidance(encoder, advice, picture, every_word=True)
         wanted = claims_of(advice.goals, default_vocabulary())
         claims = ClaimSet.about(wanted, MeasuredPicture(picture.display, seen))
@@ -72,7 +70,5 @@ def agreement(slopes: Mapping[str, Mapping[str, tuple[float, float]]]) -> dict[s
     parts = {"whole": table.sum(1)} | {term: table[:, i] for i, term in enumerate(TERMS)}
     lengths = {name: part.norm(dim=0).prod() for name, part in parts.items()}
     return {
-        name: round(float(part.prod(1).sum() / lengths[name]), 3)
-        for name, part in parts.items()
-        if lengths[name] > 0
+        name: round(float(part.prod(1).sum() / lengths[name]), 3) for name, part in parts.items() if lengths[name] > 0
     }

@@ -43,9 +43,7 @@ def _scale(sub: argparse.ArgumentParser) -> None:
 def _fidelity(sub: argparse.ArgumentParser) -> None:
     _pictures(sub, size=256, samples=512)
     sub.add_argument("--quick", action="store_true", help="128 pixels and 128 samples, for a first look")
-    sub.add_argument(
-        "--seed", type=int, default=0, metavar="N", help="another set of the same kind (default: 0)"
-    )
+    sub.add_argument("--seed", type=int, default=0, metavar="N", help="another set of the same kind (default: 0)")
     _eevee(sub)
 
 
@@ -85,9 +83,7 @@ def _pictures(sub: argparse.ArgumentParser, size: int, samples: int) -> None:
 
 def _paper(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--quick", action="store_true", help="few steps, small pictures, one seed: a first look")
-    sub.add_argument(
-        "--seeds", type=int, default=None, metavar="N", help="how many (default: 3, or 1 with --quick)"
-    )
+    sub.add_argument("--seeds", type=int, default=None, metavar="N", help="how many (default: 3, or 1 with --quick)")
     sub.add_argument("--only", default="*", metavar="GLOB", help='only pairs with such names: "*duck*"')
     sub.add_argument(
         "--meshes",
@@ -112,18 +108,12 @@ def _batch(sub: argparse.ArgumentParser) -> None:
 
 
 def _encoder(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument(
-        "--encoder", default="embedded", metavar="NAME", help="as for a vibe (default: embedded)"
-    )
+    sub.add_argument("--encoder", default="embedded", metavar="NAME", help="as for a vibe (default: embedded)")
     sub.add_argument(
         "--views", type=int, default=96, metavar="N", help="views of shapes that training lacks (default: 96)"
     )
     sub.add_argument(
-        "--pairs",
-        type=int,
-        default=240,
-        metavar="N",
-        help="pairs of Cycles pictures; 0 for none (default: 240)",
+        "--pairs", type=int, default=240, metavar="N", help="pairs of Cycles pictures; 0 for none (default: 240)"
     )
     sub.add_argument(
         "--cache",
@@ -145,20 +135,14 @@ def _wild(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--list", dest="listed", default="", metavar="FILE", help="only the paths in this file, one a line"
     )
-    sub.add_argument(
-        "--prompt", default="", metavar="TEXT", help="for all scenes (default: one of eight each)"
-    )
+    sub.add_argument("--prompt", default="", metavar="TEXT", help="for all scenes (default: one of eight each)")
     sub.add_argument("--only", default="*", metavar="GLOB", help='only paths like this: "*car*"')
-    sub.add_argument(
-        "--size", type=int, default=256, metavar="N", help="longer side of the pictures (default: 256)"
-    )
+    sub.add_argument("--size", type=int, default=256, metavar="N", help="longer side of the pictures (default: 256)")
 
 
 def _ladder(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
-        "--baselines",
-        action="store_true",
-        help="the baselines at several rates instead of the method's parts",
+        "--baselines", action="store_true", help="the baselines at several rates instead of the method's parts"
     )
     sub.add_argument("--only", default="*", metavar="GLOB", help='only pairs with such names: "*duck*"')
     sub.add_argument("--rungs", default="*", metavar="GLOB", help='only rungs with such names: "*sharing"')
@@ -177,9 +161,7 @@ def _sealed(sub: argparse.ArgumentParser) -> None:
         help="draw from this (default: the hash of the clone's commit)",
     )
     sub.add_argument(
-        "--long",
-        action="store_true",
-        help="prompts of three to five asks, as the paper's (default: one to three)",
+        "--long", action="store_true", help="prompts of three to five asks, as the paper's (default: one to three)"
     )
     sub.add_argument(
         "--rival",
@@ -208,9 +190,7 @@ def _like(sub: argparse.ArgumentParser) -> None:
         metavar="A,B",
         help="recovery, lamps, materials, transfer, filters (default: all)",
     )
-    sub.add_argument(
-        "--seed", dest="drawn_from", default="like", metavar="TEXT", help="draw from this (default: like)"
-    )
+    sub.add_argument("--seed", dest="drawn_from", default="like", metavar="TEXT", help="draw from this (default: like)")
     sub.add_argument(
         "--words", action="store_true", help="vibe in words as well where a look is recovered, for the time"
     )
@@ -220,9 +200,7 @@ def _like(sub: argparse.ArgumentParser) -> None:
 
 def _binding(sub: argparse.ArgumentParser) -> None:
     read = sub.add_mutually_exclusive_group(required=True)
-    read.add_argument(
-        "--sentences", default="", metavar="DIR", help="folder of scenes.toml and sentences_NN.toml"
-    )
+    read.add_argument("--sentences", default="", metavar="DIR", help="folder of scenes.toml and sentences_NN.toml")
     read.add_argument(
         "--captions",
         default="",
@@ -230,9 +208,7 @@ def _binding(sub: argparse.ArgumentParser) -> None:
         help="captions by others instead: T2I-CompBench's .txt, GenEval's .jsonl, PartiPrompts' .tsv",
     )
     sub.add_argument("--kind", default="", metavar="NAME", help="only sentences of this kind: lamps")
-    sub.add_argument(
-        "--misses", action="store_true", help="show each mistaken sentence, with what was wanted"
-    )
+    sub.add_argument("--misses", action="store_true", help="show each mistaken sentence, with what was wanted")
     sub.add_argument(
         "--folds",
         type=int,
@@ -244,9 +220,7 @@ def _binding(sub: argparse.ArgumentParser) -> None:
 
 def _materials(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--only", default="*", metavar="GLOB", help='only such names: "*plastic*"')
-    sub.add_argument(
-        "--draw", type=int, default=0, metavar="N", help="so many of them, at random (default: all)"
-    )
+    sub.add_argument("--draw", type=int, default=0, metavar="N", help="so many of them, at random (default: all)")
     _small_pictures(sub)
 
 
@@ -255,9 +229,7 @@ def _small_pictures(sub: argparse.ArgumentParser) -> None:
 
 
 def _pictures_of(sub: argparse.ArgumentParser, size: int, samples: int) -> None:
-    sub.add_argument(
-        "--size", type=int, default=size, metavar="N", help=f"side of the pictures (default: {size})"
-    )
+    sub.add_argument("--size", type=int, default=size, metavar="N", help=f"side of the pictures (default: {size})")
     sub.add_argument(
         "--samples", type=int, default=samples, metavar="N", help=f"of Cycles' pictures (default: {samples})"
     )
@@ -267,31 +239,16 @@ AddOptions = Callable[[argparse.ArgumentParser], None]
 
 BENCHES: dict[str, tuple[str, AddOptions]] = {
     "speed": ("How long a step of the renderer takes, forward and backward.", _speed),
-    "time": (
-        "How long a vibe takes, phase by phase, and each phase's share of the processor's time.",
-        _time,
-    ),
+    "time": ("How long a vibe takes, phase by phase, and each phase's share of the processor's time.", _time),
     "scale": ("How time and memory grow with triangles, lights, materials, pixels and shots.", _scale),
     "fidelity": ("How near the proxy is to Cycles, scene by scene and feature by feature.", _fidelity),
-    "paper": (
-        "Whether words are followed better than by a similarity alone: the paper's experiments.",
-        _paper,
-    ),
+    "paper": ("Whether words are followed better than by a similarity alone: the paper's experiments.", _paper),
     "ladder": ("What each part of the method adds, on the development pairs.", _ladder),
     "batch": ("What a batch costs beside its vibes: by workers, and by jobs.", _batch),
-    "encoder": (
-        "How well the encoder reads looks off shapes that it never saw, and in other words.",
-        _encoder,
-    ),
+    "encoder": ("How well the encoder reads looks off shapes that it never saw, and in other words.", _encoder),
     "wild": ("How a vibe fares on a folder of other people's scenes.", _wild),
-    "sealed": (
-        "Whether pictures show what was asked for, by prompts and scenes that nobody could tune to.",
-        _sealed,
-    ),
-    "like": (
-        "How well a picture serves as the words: hidden looks, other scenes, photo filters.",
-        _like,
-    ),
+    "sealed": ("Whether pictures show what was asked for, by prompts and scenes that nobody could tune to.", _sealed),
+    "like": ("How well a picture serves as the words: hidden looks, other scenes, photo filters.", _like),
     "materials": ("Whether names of measured materials and lamps give what was measured.", _materials),
     "binding": ("Whether look words of labeled sentences are bound to what they describe.", _binding),
     "rendered": (

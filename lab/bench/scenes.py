@@ -86,9 +86,7 @@ def sky_picture(height: int = 256) -> np.ndarray:
     up = np.sin(elevation)[:, None, None]
     sky = np.array([0.25, 0.4, 0.8]) * up + np.array([0.8, 0.8, 0.7]) * (1 - up)
     picture = np.where(up > 0, sky, [0.12, 0.1, 0.08]) * np.ones((1, 2 * height, 1))
-    to_sun = np.sin(0.7) * np.sin(elevation)[:, None] + np.cos(0.7) * np.outer(
-        np.cos(elevation), np.cos(azimuth)
-    )
+    to_sun = np.sin(0.7) * np.sin(elevation)[:, None] + np.cos(0.7) * np.outer(np.cos(elevation), np.cos(azimuth))
     picture += 400.0 * (to_sun > math.cos(math.radians(2.0)))[..., None]
     return picture.astype(np.float32)
 

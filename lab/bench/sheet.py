@@ -97,6 +97,4 @@ def _cut(text: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont, width: i
     """As much of a text as fits a width in pixels; what is left out is shown by dots."""
     if font.getlength(text) <= width:
         return text
-    return next(
-        f"{text[:n]}…" for n in range(len(text), -1, -1) if n == 0 or font.getlength(f"{text[:n]}…") <= width
-    )
+    return next(f"{text[:n]}…" for n in range(len(text), -1, -1) if n == 0 or font.getlength(f"{text[:n]}…") <= width)

@@ -97,10 +97,7 @@ def _cell(measure: str, value: float | None) -> str:
 
 
 def _closing(results: Mapping[str, Any]) -> str:
-    parts = [
-        f"mean CIEDE2000 {results['mean_delta_e']:.2f}",
-        f"PSNR {results.get('mean_psnr', math.inf):.1f} dB",
-    ]
+    parts = [f"mean CIEDE2000 {results['mean_delta_e']:.2f}", f"PSNR {results.get('mean_psnr', math.inf):.1f} dB"]
     if "anchored_mean_delta_e" in results:
         parts.append(f"anchored {results['anchored_mean_delta_e']:.2f}")
     if "eevee_mean_delta_e" in results:

@@ -18,10 +18,7 @@ from proxy_renderer.schema import atomic
 
 _FINAL = "finished picture"
 _SEARCH = ("search", "anchors", "to the first values", "to the first picture")  # phases
-_COMMANDS = {
-    "vibe --help": ("--help",),
-    "vibe explain": ("explain", "misty tree, glossy red"),
-}
+_COMMANDS = {"vibe --help": ("--help",), "vibe explain": ("explain", "misty tree, glossy red")}
 
 
 def run(out: Path, size: int, samples: int, only: str, scenes: str) -> dict[str, Any]:

@@ -78,9 +78,7 @@ def _given_by_blender(struct: bpy_struct, name: str, value: Any) -> bool:
 
 
 def _walk(struct: bpy_struct, path: str, seen: set[int]) -> Iterator[tuple[str, Any]]:
-    if isinstance(
-        struct, ID | bpy.types.Node
-    ):  # custom properties; add-ons' registered ones are in bl_rna too
+    if isinstance(struct, ID | bpy.types.Node):  # custom properties; add-ons' registered ones are in bl_rna too
         own = set(struct.keys()) - set(struct.bl_rna.properties.keys())
         yield from ((f"{path}[{key!r}]", _custom(struct[key])) for key in own)
     for prop in struct.bl_rna.properties:
@@ -108,7 +106,9 @@ def _walk(struct: bpy_struct, path: str, seen: set[int]) -> Iterator[tuple[str, 
 def _collection(items: Any, path: str, seen: set[int]) -> Iterator[tuple[str, Any]]:
     for number, item in enumerate(items):
         if isinstance(item, bpy.types.NodeLink):  # their order means nothing
-            ends = f"{item.from_node.name}.{item.from_socket.identifier} → {item.to_node.name}.{item.to_socket.identifier}"
+            ends = (
+                f"{item.from_node.name}.{item.from_socket.identifier} → {item.to_node.name}.{item.to_socket.identifier}"
+            )
             yield f"{path}[{ends}]", (item.is_muted, item.is_hidden)
         elif isinstance(item, bpy_struct):
             name = item.name if isinstance(item, bpy.types.Node) else number

@@ -75,17 +75,13 @@ def _reference(scene: bpy.types.Scene, mark: str, a: argparse.Namespace) -> tupl
     return path, False
 
 
-def _anchors(
-    job: SceneJob, mark: str, recipe: SceneRecipe, a: argparse.Namespace
-) -> dict[str, dict[str, Any]]:
+def _anchors(job: SceneJob, mark: str, recipe: SceneRecipe, a: argparse.Namespace) -> dict[str, dict[str, Any]]:
     """The anchors of a round: of the scene's own values, and of values a small step away."""
     moved = move(job.instances, random.Random(f"{a.seed}/{recipe.name}/move"))
     return {name: _anchor(job, mark, values, a) for name, values in (("still", {}), ("moved", moved))}
 
 
-def _anchor(
-    job: SceneJob, mark: str, values: dict[str, schema.Values], a: argparse.Namespace
-) -> dict[str, Any]:
+def _anchor(job: SceneJob, mark: str, values: dict[str, schema.Values], a: argparse.Namespace) -> dict[str, Any]:
     """One anchor with its values, from the cache if it is there."""
     settings = ANCHOR_SIZE, ANCHOR_SAMPLES, bpy.app.version_string, ANCHOR_VERSION
     path = side.cached(a, ".exr", mark, values, *settings)

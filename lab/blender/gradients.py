@@ -55,12 +55,7 @@ def make(case: StepCase, a: argparse.Namespace) -> dict[str, Any]:
 
 
 def _step(
-    scene: bpy.types.Scene,
-    job: SceneJob,
-    key: str,
-    instance: schema.Instance,
-    base: str,
-    a: argparse.Namespace,
+    scene: bpy.types.Scene, job: SceneJob, key: str, instance: schema.Instance, base: str, a: argparse.Namespace
 ) -> dict[str, Any]:
     """Pictures of the scene with one value lower and higher than it is, which it is again afterwards."""
     low, middle, high, du = ends(instance)

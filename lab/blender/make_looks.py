@@ -30,13 +30,9 @@ PROMPTS = Path(__file__).with_name("looks.toml")
 
 def main() -> int:
     """Makes all looks, or one; returns the exit code."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", action="append", default=[], metavar="NAME", help="make these alone")
-    parser.add_argument(
-        "--out", type=Path, default=library.SHIPPED, metavar="DIR", help="default: %(default)s"
-    )
+    parser.add_argument("--out", type=Path, default=library.SHIPPED, metavar="DIR", help="default: %(default)s")
     a, options = parser.parse_known_args()
     rows = tomllib.loads(PROMPTS.read_text(encoding="utf-8"))["look"]
     a.out.mkdir(parents=True, exist_ok=True)
@@ -57,13 +53,7 @@ def main() -> int:
 
 
 def make(
-    name: str,
-    prompt: str,
-    options: list[str],
-    folder: Path,
-    out: Path,
-    engine: Engine,
-    reporter: Reporter,
+    name: str, prompt: str, options: list[str], folder: Path, out: Path, engine: Engine, reporter: Reporter
 ) -> None:
     """Makes a look and its picture.
 
@@ -85,9 +75,7 @@ def make(
     look_preset = transfer.load_preset(folder / "preset.json")
     path = library.path_for(out, name)
     thumbnail.save_thumbnail(folder / "after.png", path.with_suffix(thumbnail.SUFFIX))
-    path.write_text(
-        preset.Preset(name, look_preset.roles, look_preset.kinds, prompt).dumps() + "\n", encoding="utf-8"
-    )
+    path.write_text(preset.Preset(name, look_preset.roles, look_preset.kinds, prompt).dumps() + "\n", encoding="utf-8")
 
 
 def build_stage(path: Path) -> None:

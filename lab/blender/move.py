@@ -36,9 +36,7 @@ def move(instances: Mapping[str, schema.Instance], chance: random.Random) -> dic
     return {instance.key: _moved(instance, chance) for instance in chosen}
 
 
-def _candidates(
-    instances: Mapping[str, schema.Instance], group: str, chance: random.Random
-) -> list[schema.Instance]:
+def _candidates(instances: Mapping[str, schema.Instance], group: str, chance: random.Random) -> list[schema.Instance]:
     candidates = []
     for _, instance in sorted(instances.items()):
         name, value = instance.parameter.name, max(instance.value)

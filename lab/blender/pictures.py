@@ -71,9 +71,7 @@ def _build(row: dict[str, Any], folder: Path) -> tuple[bpy.types.Scene, bpy.type
     plain_world(scene, row["world"])
     scene.view_settings.view_transform = row["transform"]
     view = (camera.location - camera.location.__class__(middle)).length
-    values: dict[str, tuple[float, ...]] = {
-        f"film/{name}": (float(value),) for name, value in row["film"].items()
-    }
+    values: dict[str, tuple[float, ...]] = {f"film/{name}": (float(value),) for name, value in row["film"].items()}
     if row["fog"] > 0.0:
         color = tuple(float(c) for c in row["fog_color"])
         values |= {"volume/density": (row["fog"] / view,), "volume/color": color}

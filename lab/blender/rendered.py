@@ -90,9 +90,7 @@ def make(added: tuple[AddProperty, ...], a: argparse.Namespace) -> dict[str, Any
     left_out = ["[Render Result]"]
     if compat.compositor(scene) is None:
         left_out.append("[Scene].node_tree")  # Blender 4 cannot delete one; it is switched off
-    missing = [
-        text for each, text in properties.REPORTED.items() if each in added and not _named(text, job.warnings)
-    ]
+    missing = [text for each, text in properties.REPORTED.items() if each in added and not _named(text, job.warnings)]
     return {
         "job": str(folder / "job"),
         "render": str(folder / "render.png"),
@@ -127,11 +125,7 @@ def _visible_differences(scene: bpy.types.Scene, analysis: SceneAnalysis) -> dic
     numbers, counts = np.unique(np.rint(index), return_counts=True)
     shown = {things[int(n)].name_full: c / index.size for n, c in zip(numbers, counts, strict=True) if int(n)}
     pairs = {name: [exported[name] / total, shown.get(name, 0.0)] for name in {*exported, *shown}}
-    return {
-        name: pair
-        for name, pair in pairs.items()
-        if abs(pair[0] - pair[1]) > 3 * _SHARE and min(pair) < _SHARE
-    }
+    return {name: pair for name, pair in pairs.items() if abs(pair[0] - pair[1]) > 3 * _SHARE and min(pair) < _SHARE}
 
 
 if __name__ == "__main__":

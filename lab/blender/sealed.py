@@ -25,14 +25,7 @@ from vibe_render.scene.subject import SubjectChoice
 from lab.blender import clear, side
 from lab.blender.camera_hits import save_camera_hits
 from lab.blender.scenes.build import build
-from lab.blender.scenes.recipe import (
-    CameraRecipe,
-    FinishRecipe,
-    LightRecipe,
-    SceneRecipe,
-    WorldRecipe,
-    chance,
-)
+from lab.blender.scenes.recipe import CameraRecipe, FinishRecipe, LightRecipe, SceneRecipe, WorldRecipe, chance
 from lab.blender.scenes.surfaces import material
 
 CAMERA_HITS = 192

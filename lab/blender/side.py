@@ -73,11 +73,7 @@ def _run(
 ) -> int:
     chosen = [name for name in scenes if fnmatchcase(name, a.only)]
     if not chosen:
-        say(
-            "error",
-            message=f"No scene has a name like {a.only!r}.",
-            remedy=f"There are: {', '.join(scenes)}.",
-        )
+        say("error", message=f"No scene has a name like {a.only!r}.", remedy=f"There are: {', '.join(scenes)}.")
         return 2
     say("names", names=chosen)
     for name in (n for n in chosen if n not in a.skip.split(",")):

@@ -59,9 +59,7 @@ def _recipe(name: str, lamps: int = 0) -> Callable[[], Any]:
     """Builds a scene of the fidelity set, perhaps with other lamps in a ring."""
     recipe = next(r for r in (*CATALOG, *SET_CATALOG) if r.name == name)
     if lamps:
-        ring = tuple(
-            LightRecipe("AREA", 360.0 / lamps * i, 60.0, 1.0 / lamps, distance=2.0) for i in range(lamps)
-        )
+        ring = tuple(LightRecipe("AREA", 360.0 / lamps * i, 60.0, 1.0 / lamps, distance=2.0) for i in range(lamps))
         recipe = replace(recipe, lamps=ring)
     return lambda: build.build(recipe, 0)
 
@@ -69,9 +67,7 @@ def _recipe(name: str, lamps: int = 0) -> Callable[[], Any]:
 SCENES = {
     "demo": _Timed(build_demo, "Glossy teal on a pale sand background, warm soft light, slight vignette"),
     "tree in fog": _Timed(_recipe("misty_tree"), "misty tree silhouette, cool blue fog, vignette"),
-    "room with eight lights": _Timed(
-        _recipe("set_lounge", 8), "cosy evening, warm dim light, dark green walls"
-    ),
+    "room with eight lights": _Timed(_recipe("set_lounge", 8), "cosy evening, warm dim light, dark green walls"),
     "car": _Timed(_recipe("lacquer_car"), "glossy deep blue car at golden hour, high contrast"),
 }
 
@@ -82,8 +78,7 @@ def scenes(options: argparse.Namespace) -> dict[str, _Timed]:
         return SCENES
     files = sorted(options.scenes.glob("*.blend"))
     return {
-        file.stem: _Timed(partial(_opened, file), _PROMPTS[number % len(_PROMPTS)])
-        for number, file in enumerate(files)
+        file.stem: _Timed(partial(_opened, file), _PROMPTS[number % len(_PROMPTS)]) for number, file in enumerate(files)
     }
 
 
@@ -113,10 +108,7 @@ class _Phases:
         """Phase to its `seconds` and its `share` of all cores."""
         cores = os.cpu_count() or 1
         return {
-            phase: {
-                "seconds": round(wall, 2),
-                "share": round(self.processor[phase] / max(wall * cores, 1e-9), 2),
-            }
+            phase: {"seconds": round(wall, 2), "share": round(self.processor[phase] / max(wall * cores, 1e-9), 2)}
             for phase, wall in self.wall.items()
         }
 

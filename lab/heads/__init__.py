@@ -32,15 +32,11 @@ class AttributeHeads(nn.Module):
         self.names = names
         self.skill = dict.fromkeys(names, 1.0)
         self.scale = dim**0.5
-        self.layers = nn.Sequential(
-            nn.Linear(dim, hidden), nn.GELU(), nn.Linear(hidden, sum(map(len, names.values())))
-        )
+        self.layers = nn.Sequential(nn.Linear(dim, hidden), nn.GELU(), nn.Linear(hidden, sum(map(len, names.values()))))
 
     def logits(self, features: Tensor) -> dict[str, Tensor]:
         """Attribute name → logits (B, classes), from unit features (B, D)."""
-        parts = self.layers(features * self.scale).split(
-            [len(classes) for classes in self.names.values()], -1
-        )
+        parts = self.layers(features * self.scale).split([len(classes) for classes in self.names.values()], -1)
         return dict(zip(self.names, parts, strict=True))
 
     def read(self, whole: Tensor, subject: Tensor) -> dict[str, Tensor]:

@@ -37,9 +37,7 @@ class Attributes:
         pairs = ((a, c, heads.names.get(a, [])) for a, c in targets.items())
         self.targets = {a: classes.index(c) for a, c, classes in pairs if c in classes}
 
-    def look(
-        self, display: Tensor, mask: Tensor, count: int, generator: torch.Generator
-    ) -> tuple[Tensor, Tensor]:
+    def look(self, display: Tensor, mask: Tensor, count: int, generator: torch.Generator) -> tuple[Tensor, Tensor]:
         """Features of some views of the whole picture, and of one of the subject.
 
         Args:

@@ -54,12 +54,7 @@ class BareRig(Projection):
         return Plan({k: replace(e, lower=values[k], upper=values[k], start=None) for k, e in plan.items()})
 
     def select(
-        self,
-        now: Confined,
-        vector: ParameterVector,
-        shots: Sequence[ShotState],
-        u: Tensor,
-        options: Options,
+        self, now: Confined, vector: ParameterVector, shots: Sequence[ShotState], u: Tensor, options: Options
     ) -> selection.Selection:
         """Nothing: no value may move."""
         box = now.lower, now.upper

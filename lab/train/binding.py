@@ -30,9 +30,7 @@ HARD = 0.5
 """Weight of a hard sentence."""
 
 
-def examples(
-    sentences: Sequence[LabeledSentence], vocabulary: Vocabulary, counts: float = 1.0
-) -> list[Example]:
+def examples(sentences: Sequence[LabeledSentence], vocabulary: Vocabulary, counts: float = 1.0) -> list[Example]:
     """Sentences as the reader takes them.
 
     Args:

@@ -126,9 +126,7 @@ class _Groups:
 
     def after(self, first: "_Groups") -> "_Groups":
         """Another's groups, then these."""
-        return _Groups(
-            *(torch.cat([getattr(g, field.name) for g in (first, self)]) for field in fields(self))
-        )
+        return _Groups(*(torch.cat([getattr(g, field.name) for g in (first, self)]) for field in fields(self)))
 
     def cut_and_frame(
         self, g: int, part: slice, kind: int, augment: bool, generator: torch.Generator, dice: random.Random
@@ -267,9 +265,7 @@ def _describe(
             classes = {name: ATTRIBUTES[name][c] for name, c in zip(looks.NAMES, row, strict=True) if c >= 0}
             mentions = captions.mention(classes, focus[k] or dice.choice(focus), dice)
             texts.append(
-                captions.caption(mentions, dice, bool(variant[g] == EMPTY), split)
-                if mentions
-                else dice.choice(NOUNS)
+                captions.caption(mentions, dice, bool(variant[g] == EMPTY), split) if mentions else dice.choice(NOUNS)
             )
             for name, value in mentions.items():
                 mentioned[g * LOOKS + k, looks.INDEX[name]] = ATTRIBUTES[name].index(value)
@@ -279,9 +275,7 @@ def _describe(
 def _lessons(dice: random.Random) -> tuple[list[str], Tensor]:
     """Phrases of the language, half of them about a thing, and the classes (L, A) that they say, each as often."""
     attributes = list(wording.lessons_by_class().values())
-    chosen = [
-        dice.choice(dice.choice(list(classes.values()))) for classes in dice.choices(attributes, k=_LESSONS)
-    ]
+    chosen = [dice.choice(dice.choice(list(classes.values()))) for classes in dice.choices(attributes, k=_LESSONS)]
     taught = torch.full((len(chosen), len(looks.NAMES)), -1)
     for row, (_, asks) in zip(taught, chosen, strict=True):
         for name, value in asks.items():

@@ -26,26 +26,16 @@ def main(argv: Sequence[str]) -> None:
     """The command line."""
     parser = argparse.ArgumentParser(prog="python -m lab train", description=__doc__)
     parser.add_argument(
-        "--out",
-        type=Path,
-        default=Path("out/train"),
-        help="checkpoint, log, banks and model (default: %(default)s)",
+        "--out", type=Path, default=Path("out/train"), help="checkpoint, log, banks and model (default: %(default)s)"
     )
-    parser.add_argument(
-        "--minutes", type=float, default=60, help="how long this sitting trains (default: %(default)s)"
-    )
+    parser.add_argument("--minutes", type=float, default=60, help="how long this sitting trains (default: %(default)s)")
     parser.add_argument("--device", default="cuda" if torch.cuda.is_available() else "cpu")
-    parser.add_argument(
-        "--views", type=int, default=1000, help="views in the training bank, when it has to be traced"
-    )
+    parser.add_argument("--views", type=int, default=1000, help="views in the training bank, when it has to be traced")
     parser.add_argument("--shapes", type=int, default=250, help="shapes in it")
     parser.add_argument("--size", type=int, default=160, help="side of a picture in pixels")
     parser.add_argument("--workers", type=int, default=2, help="processes that trace")
     parser.add_argument(
-        "--rate",
-        type=float,
-        default=TrainingRecipe.rate,
-        help="learning rate; it falls towards a sitting's end",
+        "--rate", type=float, default=TrainingRecipe.rate, help="learning rate; it falls towards a sitting's end"
     )
     parser.add_argument(
         "--from",
@@ -55,18 +45,10 @@ def main(argv: Sequence[str]) -> None:
         help="go on from an exported model, where there is no checkpoint",
     )
     parser.add_argument(
-        "--cycles",
-        type=int,
-        default=0,
-        metavar="N",
-        help="pairs of Cycles pictures to render, if none are there",
+        "--cycles", type=int, default=0, metavar="N", help="pairs of Cycles pictures to render, if none are there"
     )
-    parser.add_argument(
-        "--judge", action="store_true", help="train the judge: other architecture, shapes and wordings"
-    )
-    parser.add_argument(
-        "--groups", type=int, default=TrainingRecipe.groups, help="groups of four pictures per step"
-    )
+    parser.add_argument("--judge", action="store_true", help="train the judge: other architecture, shapes and wordings")
+    parser.add_argument("--groups", type=int, default=TrainingRecipe.groups, help="groups of four pictures per step")
     parser.add_argument("--seed", type=int, default=TrainingRecipe.seed)
     parser.add_argument(
         "--evaluate", type=Path, nargs="*", metavar="MESH", help="judge the model, also on these meshes"
@@ -92,10 +74,7 @@ def _run(options: argparse.Namespace) -> None:
         print(f"rendering {options.cycles} pairs of Cycles pictures", flush=True)
         cycles.build(options.out / "cycles", options.cycles, first, options.size)
     recipe = TrainingRecipe(
-        groups=options.groups,
-        rate=options.rate,
-        seed=options.seed,
-        split=JUDGES if options.judge else GUIDES,
+        groups=options.groups, rate=options.rate, seed=options.seed, split=JUDGES if options.judge else GUIDES
     )
     trainer = train(
         recipe,
@@ -111,6 +90,4 @@ def _run(options: argparse.Namespace) -> None:
     if options.evaluate is not None:
         from lab.train.evaluate import evaluate
 
-        evaluate(
-            options.out / "model", options.out / "heldout", options.evaluate, options.out / "results.json"
-        )
+        evaluate(options.out / "model", options.out / "heldout", options.evaluate, options.out / "results.json")

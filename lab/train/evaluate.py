@@ -77,9 +77,7 @@ def skill(sets: Iterable[dict]) -> dict[str, float]:
             blind = one["commonest"][name]
             if blind > _UNIFORM or one["comparisons"][f"heads/{name}"] < FEW:
                 continue
-            skills[name] = min(
-                skills.get(name, 1.0), round(max(right - blind, 0.0) / max(1.0 - blind, 1e-6), 3)
-            )
+            skills[name] = min(skills.get(name, 1.0), round(max(right - blind, 0.0) / max(1.0 - blind, 1e-6), 3))
     return skills
 
 
@@ -113,10 +111,7 @@ def shaded(bank: dict, batches: int = _BATCHES) -> Iterator[Batch]:
 
 
 def judge(
-    encoder: Encoder,
-    batches: Iterable[Batch],
-    sentence: Sentence | None = None,
-    mistakes: list[Mistake] | None = None,
+    encoder: Encoder, batches: Iterable[Batch], sentence: Sentence | None = None, mistakes: list[Mistake] | None = None
 ) -> dict:
     """Flip, swap and head accuracy on whole pictures; ``commonest`` is what a blind guess would score.
 
@@ -190,10 +185,7 @@ def _comparisons(batch: Batch, dice: random.Random, sentence: Sentence) -> list[
             name, wording = NAMES[flip], dice.random()
             stated, otherwise = (sentence(_named({name: c[flip]}), noun, wording) for c in (labels, first))
             if stated and otherwise and stated != otherwise:
-                comparisons += [
-                    (f"flip/{name}", i, stated, otherwise),
-                    (f"flip/{name}", base, otherwise, stated),
-                ]
+                comparisons += [(f"flip/{name}", i, stated, otherwise), (f"flip/{name}", base, otherwise, stated)]
         a, b = labels[INDEX["subject_color"]], labels[INDEX["surroundings_color"]]
         if a >= 0 and b >= 0 and a != b:
             wording = dice.random()
@@ -237,8 +229,7 @@ def bank_of(meshes: list[Path], size: int, views: int = 24) -> dict[str, np.ndar
         center = np.array([*(low + high)[:2] / 2, low[2]])
         normals = mesh.vertex_normals[mesh.faces] @ turn.T
         subject = Shape(
-            ((points - center) * 2 / np.linalg.norm(high - low)).astype(np.float32),
-            normals.astype(np.float32),
+            ((points - center) * 2 / np.linalg.norm(high - low)).astype(np.float32), normals.astype(np.float32)
         )
         traced += [banks.trace(subject, np.random.default_rng([number, k]), size) for k in range(views)]
     layout = banks.fields(size)

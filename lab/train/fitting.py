@@ -149,9 +149,7 @@ def _padded(scores: list[np.ndarray]) -> np.ndarray:
     return padded
 
 
-def _padded_links(
-    links: list[list[list[str]]], column: Mapping[str, int], widths: tuple[int, int]
-) -> np.ndarray:
+def _padded_links(links: list[list[list[str]]], column: Mapping[str, int], widths: tuple[int, int]) -> np.ndarray:
     """(sentences, pairs, pairs of the next place): which fact links them; any, where there is no pair."""
     padded = np.zeros((len(links), *widths), dtype=int)
     for number, lines in enumerate(links):
@@ -184,9 +182,7 @@ def _chains(scores: list[np.ndarray], links: list[np.ndarray]) -> tuple[float, n
     return float(whole.sum()), np.concatenate(shares[::-1])
 
 
-def _least(
-    loss: Callable[[np.ndarray], tuple[float, np.ndarray]], names: list[str], l2: float
-) -> FactWeights:
+def _least(loss: Callable[[np.ndarray], tuple[float, np.ndarray]], names: list[str], l2: float) -> FactWeights:
     """The weights at which loss and penalty are least."""
 
     def penalized(weights: np.ndarray) -> tuple[float, np.ndarray]:

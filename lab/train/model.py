@@ -32,21 +32,11 @@ CONFIG = {
 }
 JUDGE = {
     "embed_dim": 192,
-    "vision_cfg": {
-        "image_size": 80,
-        "timm_model_name": "vibe_resnet_judge",
-        "timm_pool": "",
-        "timm_proj": "",
-    },
+    "vision_cfg": {"image_size": 80, "timm_model_name": "vibe_resnet_judge", "timm_pool": "", "timm_proj": ""},
     "text_cfg": {"context_length": 40, "width": 96, "heads": 4, "layers": 3},
 }
 """An encoder that only ever judges results: another architecture, to be trained on other shapes, views and wordings."""
-PREPROCESS = {
-    "mean": [0.5, 0.5, 0.5],
-    "std": [0.25, 0.25, 0.25],
-    "interpolation": "bicubic",
-    "resize_mode": "squash",
-}
+PREPROCESS = {"mean": [0.5, 0.5, 0.5], "std": [0.25, 0.25, 0.25], "interpolation": "bicubic", "resize_mode": "squash"}
 
 
 class Student(nn.Module):
@@ -93,11 +83,7 @@ class Student(nn.Module):
             )
         config = json.loads((folder / "open_clip_config.json").read_text())["model_cfg"]
         own, theirs = (
-            c
-            | {
-                "text_cfg": c["text_cfg"] | {"vocab_size": 0},
-                "vision_cfg": c["vision_cfg"] | {"image_size": 0},
-            }
+            c | {"text_cfg": c["text_cfg"] | {"vocab_size": 0}, "vision_cfg": c["vision_cfg"] | {"image_size": 0}}
             for c in (self.config, config)
         )
         if own != theirs or not (folder / MERGES).is_file():
@@ -155,9 +141,7 @@ class Student(nn.Module):
         truth, weight, stress = batch.maps.to(device), batch.map_weights.to(device), STRESS.to(device)
         return {
             "dense": self.dense.loss(truth, weight),
-            "contrast": (
-                F.cross_entropy(logits[speaks], own[speaks]) + F.cross_entropy(logits.T[speaks], own[speaks])
-            )
+            "contrast": (F.cross_entropy(logits[speaks], own[speaks]) + F.cross_entropy(logits.T[speaks], own[speaks]))
             / 2,
             "choice": _choice(scale * image @ sentences[read:].T, labels, taught),
             "heads": self.heads.loss(image, labels, stress),

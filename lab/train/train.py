@@ -104,8 +104,7 @@ class Trainer:
     def _batch(self) -> Batch:
         """The batch of this step; the next one is made meanwhile."""
         ahead = {
-            step: self._ahead.get(step) or self._maker.submit(self._make, step)
-            for step in (self.step, self.step + 1)
+            step: self._ahead.get(step) or self._maker.submit(self._make, step) for step in (self.step, self.step + 1)
         }
         self._ahead = ahead
         return ahead[self.step].result()

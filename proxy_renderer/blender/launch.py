@@ -41,11 +41,7 @@ class TerminalBar:
         self._plain = not self._stream.isatty()
         console = Console(file=self._stream)
         self._bar = Progress(
-            *columns,
-            transient=transient,
-            console=console,
-            disable=self._plain,
-            speed_estimate_period=_LONG,
+            *columns, transient=transient, console=console, disable=self._plain, speed_estimate_period=_LONG
         )
         self._task = self._bar.add_task(**task)
 
@@ -107,10 +103,7 @@ class VibeProgress(TerminalBar):
     def _progress(self, event: dict[str, Any]) -> None:
         number, rounds, steps = event["round"], event["rounds"], event["steps"]
         left = int(event["seconds_left"])
-        title, detail = (
-            f"round {number} of {rounds}",
-            f"loss {event['loss']:.3f}   {left // 60}:{left % 60:02d} left",
-        )
+        title, detail = (f"round {number} of {rounds}", f"loss {event['loss']:.3f}   {left // 60}:{left % 60:02d} left")
         done = (number - 1) * steps + event["step"]
         self._bar.update(self._task, description=title, total=rounds * steps, completed=done, detail=detail)
         if self._plain and number != self._round:
@@ -118,9 +111,7 @@ class VibeProgress(TerminalBar):
             self.stage(f"{title}: {detail}")
 
 
-_TRACE = re.compile(
-    r"(Fatal Python error|Current thread|Thread 0x|Extension modules|\s+File |EGL Error|VIBE )"
-)
+_TRACE = re.compile(r"(Fatal Python error|Current thread|Thread 0x|Extension modules|\s+File |EGL Error|VIBE )")
 _TELLING = re.compile(r"error|exception|abort|fail|invalid|corrupt|not a ", re.IGNORECASE)
 _LAST = 20  # last lines among which the one that explains a crash is looked for
 
@@ -209,10 +200,7 @@ def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None
 
 
 def start(
-    arguments: Sequence[str],
-    scratch: Path | None = None,
-    variables: Mapping[str, str] | None = None,
-    **options: Any,
+    arguments: Sequence[str], scratch: Path | None = None, variables: Mapping[str, str] | None = None, **options: Any
 ) -> subprocess.Popen[str]:
     """Starts Python with these arguments as Blender's side, for `events` to read; its temporary files go to `scratch`."""
     places = dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(scratch)) if scratch else {}

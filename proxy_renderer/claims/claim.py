@@ -148,8 +148,7 @@ class Claim:
         if self.by and before is not None:
             own, step = before.tolist(), before.new_tensor(self.notice).expand_as(before).tolist()
             least, most = (
-                tuple(v + n * s for v, n, s in zip(own, end, step, strict=True))
-                for end in (self.lower, self.upper)
+                tuple(v + n * s for v, n, s in zip(own, end, step, strict=True)) for end in (self.lower, self.upper)
             )
             return least, most
         if self.change is None or before is None:

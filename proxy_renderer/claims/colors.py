@@ -97,9 +97,7 @@ def _interval(shown: Values, named: float) -> tuple[Values, Values, Values]:
     return *ends, (a / strength, b / strength)
 
 
-def tints(
-    word: str, thing: str, part: Part, srgb: Values, materials: tuple[str, ...] = ()
-) -> Iterator[Claim]:
+def tints(word: str, thing: str, part: Part, srgb: Values, materials: tuple[str, ...] = ()) -> Iterator[Claim]:
     """The claim that the mean color of a part is tinted toward a color; none if the color is gray."""
     named = lab_from_srgb(srgb)
     if (strength := chroma(named)) >= COLORED:

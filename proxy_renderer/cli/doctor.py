@@ -135,9 +135,7 @@ def try_model(endpoint: Endpoint) -> str:
 
     client = Client(endpoint)
     square = jpeg_of(Image.new("RGB", (64, 64), (220, 20, 20)))
-    system = (
-        'Name the color of the square in one word, as {"color": "..."}. Say "unseen" if there is no picture.'
-    )
+    system = 'Name the color of the square in one word, as {"color": "..."}. Say "unseen" if there is no picture.'
     answer = client.ask(
         Question(system, "What color is it?", square, json_object(color={"type": "string"})), fresh=True
     )

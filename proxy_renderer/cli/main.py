@@ -268,7 +268,9 @@ def _doctor(a: argparse.Namespace) -> int:
 
 
 def _extension_options(parser: argparse.ArgumentParser) -> None:
-    action = "make a .zip to install from disk, install it at once, or make a .zip with the index that Blender subscribes to"
+    action = (
+        "make a .zip to install from disk, install it at once, or make a .zip with the index that Blender subscribes to"
+    )
     parser.add_argument("action", choices=("build", "install", "repository"), help=action)
     _add_out(parser, "build, repository: folder (default: %(default)s)", "dist")
     blender = "install: into this Blender (default: the PATH's)"
@@ -294,27 +296,19 @@ class Command(NamedTuple):
 
 
 COMMANDS = {
-    "run": Command(
-        "Give a scene the look that words describe, or a reference image has.", _run_options, _run
-    ),
+    "run": Command("Give a scene the look that words describe, or a reference image has.", _run_options, _run),
     "demo": Command("Build a small test scene and give it a look.", _demo_options, _demo),
     "batch": Command("Give many scenes many looks, on this machine or on a cluster.", _batch_options, _batch),
-    "flamenco": Command(
-        "Install the job type that brings looks to a Flamenco farm.", _flamenco_options, _flamenco
-    ),
+    "flamenco": Command("Install the job type that brings looks to a Flamenco farm.", _flamenco_options, _flamenco),
     "apply": Command("Give a scene the look of a preset, and render it.", _apply_options, _apply),
     "revert": Command("Restore a .blend to its state before the first vibe.", _revert_options, _revert),
-    "explain": Command(
-        "Show how a prompt is understood and what it would change.", _explain_options, _explain
-    ),
+    "explain": Command("Show how a prompt is understood and what it would change.", _explain_options, _explain),
     "vocabulary": Command(
         "Add words of your own, try them, and list what words there are.", _vocabulary_options, _vocabulary
     ),
     "doctor": Command("Check what is installed, and say what to fix.", lambda parser: None, _doctor),
     "extension": Command(
-        "Build the Blender extension, install it, or publish it in a repository.",
-        _extension_options,
-        _extension,
+        "Build the Blender extension, install it, or publish it in a repository.", _extension_options, _extension
     ),
 }
 """In the order of the help."""

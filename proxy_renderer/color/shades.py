@@ -83,8 +83,7 @@ def basic(srgb: Sequence[float]) -> str:
     # Hue decides more than lightness does.
     distances = {
         name: min(
-            0.5 * abs(lab[0] - s[0]) + math.dist(lab[1:], s[1:])
-            for s in map(lab_from_srgb, map(srgb_from_hex, shades))
+            0.5 * abs(lab[0] - s[0]) + math.dist(lab[1:], s[1:]) for s in map(lab_from_srgb, map(srgb_from_hex, shades))
         )
         for name, shades in _SHADES.items()
     }

@@ -68,9 +68,7 @@ def _hue(b: Tensor, a: Tensor) -> Tensor:
     return torch.where(angle < 0, angle + 2 * math.pi, angle)
 
 
-def ciede2000(
-    lab1: Float[Tensor, "*#pixels 3"], lab2: Float[Tensor, "*#pixels 3"]
-) -> Float[Tensor, "*#pixels"]:
+def ciede2000(lab1: Float[Tensor, "*#pixels 3"], lab2: Float[Tensor, "*#pixels 3"]) -> Float[Tensor, "*#pixels"]:
     """Perceived difference (...) of two colors in Lab (..., 3): 1 is just visible (Sharma, Wu and Dalal 2005; kL = kC = kH = 1)."""
     (l1, a1, b1), (l2, a2, b2) = lab1.unbind(-1), lab2.unbind(-1)
     c7 = ((_root(a1 * a1 + b1 * b1) + _root(a2 * a2 + b2 * b2)) / 2) ** 7
@@ -102,9 +100,7 @@ def ciede2000(
     return _root(dl * dl + dc * dc + dh * dh + twist * dc * dh)
 
 
-def mean_difference(
-    display1: Float[Tensor, "*pixels 3"], display2: Float[Tensor, "*pixels 3"]
-) -> Float[Tensor, ""]:
+def mean_difference(display1: Float[Tensor, "*pixels 3"], display2: Float[Tensor, "*pixels 3"]) -> Float[Tensor, ""]:
     """Mean CIEDE2000 (a scalar) of two sRGB-encoded images (..., 3) in [0, 1]."""
     return ciede2000(lab_from_srgb(display1), lab_from_srgb(display2)).mean()
 

@@ -46,9 +46,7 @@ class ViewTransform:
 
 
 @functools.lru_cache(maxsize=8)
-def _bake(
-    ocio: str, display: str, view: str, look: str, space: str, balance: tuple[tuple[float, ...], ...]
-) -> Tensor:
+def _bake(ocio: str, display: str, view: str, look: str, space: str, balance: tuple[tuple[float, ...], ...]) -> Tensor:
     """Samples the transform into a table (1, 3, SIZE, SIZE, SIZE), indexed by [color, blue, green, red]. Takes about 0.1 s."""
     axis = _TOE * (2 ** torch.linspace(0, _STOPS, SIZE, dtype=torch.float64) - 1)
     blue, green, red = torch.meshgrid(axis, axis, axis, indexing="ij")
@@ -60,12 +58,7 @@ def _bake(
 
 
 def apply_ocio(
-    colors: Float[np.ndarray, "*pixels 3"],
-    ocio: str,
-    display: str,
-    view: str,
-    look: str = "",
-    space: str = "",
+    colors: Float[np.ndarray, "*pixels 3"], ocio: str, display: str, view: str, look: str = "", space: str = ""
 ) -> Float[np.ndarray, "*pixels 3"]:
     """Exact transform of scene-linear light (..., 3) to float32 display values (..., 3), composed as Blender composes it.
 

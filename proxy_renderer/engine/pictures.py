@@ -42,9 +42,7 @@ def variant_file(number: int) -> str:
 
 
 @torch.no_grad()
-def predict(
-    proxy: Proxy, outcome: Outcome, number: int, job: Path, figures: bool
-) -> tuple[list[str], Image.Image]:
+def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path, figures: bool) -> tuple[list[str], Image.Image]:
     """Draws the values found in shot `number` (from 0) by its full-size proxy, into its job folder.
 
     With `figures`, and if there is an anchor, also draws the predictions without the last anchor and without any anchor.

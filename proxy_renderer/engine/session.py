@@ -97,10 +97,7 @@ class EngineSession:
         scenes = stage.scenes
         blenders = [BlenderPictures(s, observer.ask, options.seed, n) for n, s in enumerate(scenes)]
         rows_of_shots = zip(scenes, blenders, self.shots, strict=True)
-        views = [
-            ShotInput(s, b if options.anchor else None, shot.file, self._known)
-            for s, b, shot in rows_of_shots
-        ]
+        views = [ShotInput(s, b if options.anchor else None, shot.file, self._known) for s, b, shot in rows_of_shots]
         search = Search(views, stage, options, encoder, observer, advisor, self._method)
         outcome = self._outcome = pipeline.run(search)
         clock.lap("loop", sum(blender.waited for blender in blenders))

@@ -24,7 +24,9 @@ from .wish import PAINTED, Wish, wishes_of
 _DARK, _LIGHT = 38.0, 72.0  # L* of surroundings below which no image is bright, and above which none is dark
 _COLORED, _VIVID, _GRAY = 12.0, 35.0, 8.0
 """C* from which light counts as colored, from which a color is vivid, and below which a color is gray."""
-_WARMTH = 0.3  # warmth (cosine with warm light) from which vivid surroundings rule out cool light; below -0.3 warm light
+_WARMTH = (
+    0.3  # warmth (cosine with warm light) from which vivid surroundings rule out cool light; below -0.3 warm light
+)
 _OPPOSED = 0.5  # an image cannot have both of two tints if the cosine of their hues is below minus this
 _WHITE_LIGHT = (5500.0, 7500.0)  # kelvins between which light is neither warm nor cool
 _AIR = ("light", "fog", "tone", "ambience", "sky")  # their color is on everything in the image

@@ -101,9 +101,7 @@ class JsonFields:
         """The field "shades", changes of a material's own color: four numbers each; empty if the field is missing."""
         rows: list[Any] = self.take("shades", list, [])
         if not all(
-            isinstance(row, list)
-            and len(row) == 4
-            and all(_is_number(v) and abs(v) <= _MOST_OF_SHADES for v in row)
+            isinstance(row, list) and len(row) == 4 and all(_is_number(v) and abs(v) <= _MOST_OF_SHADES for v in row)
             for row in rows
         ):
             problem = f"{self.place}.shades holds something else than lists of four small numbers."

@@ -35,9 +35,7 @@ class Block(nn.Module):
         self.shortcut = nn.Sequential()
         if inputs != outputs:
             self.shortcut = nn.Sequential(
-                nn.AvgPool2d(stride, ceil_mode=True),
-                nn.Conv2d(inputs, outputs, 1, bias=False),
-                nn.BatchNorm2d(outputs),
+                nn.AvgPool2d(stride, ceil_mode=True), nn.Conv2d(inputs, outputs, 1, bias=False), nn.BatchNorm2d(outputs)
             )
 
     def forward(self, x: Tensor) -> Tensor:
@@ -128,9 +126,7 @@ class Encoder:
         self.size: int = size if isinstance(size, int) else size[0]  # pixels, of a square
         self._mode = config.get("interpolation", "bicubic")
         self._resize = config.get("resize_mode", "shortest")
-        self._mean, self._std = (
-            torch.tensor(config[key], device=device)[:, None, None] for key in ("mean", "std")
-        )
+        self._mean, self._std = (torch.tensor(config[key], device=device)[:, None, None] for key in ("mean", "std"))
 
     def encode_images(self, pictures: Tensor) -> Tensor:
         """Unit features (B, D) of images (B, 3, H, W) in [0, 1] of any size, differentiable in them."""
@@ -200,10 +196,7 @@ def _check_reachable(name: str, repository: str) -> None:
     """Raises VibeError if a model is neither cached nor can be downloaded, without the minute of retries by the hub."""
     from huggingface_hub import constants
 
-    if (
-        not repository
-        or Path(constants.HF_HUB_CACHE, f"models--{repository.replace('/', '--')}", "snapshots").exists()
-    ):
+    if not repository or Path(constants.HF_HUB_CACHE, f"models--{repository.replace('/', '--')}", "snapshots").exists():
         return
     try:
         urllib.request.urlopen(constants.ENDPOINT, timeout=_PATIENCE).close()

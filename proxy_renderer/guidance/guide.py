@@ -32,9 +32,7 @@ def negative_loss(features: Tensor, texts: Tensor, margin: float) -> Tensor:
     return F.relu((features @ texts.T).mean(0) - margin).max()
 
 
-def direction_loss(
-    features: Tensor, start: Tensor, text: Tensor, plain: Tensor, least: float = 0.1
-) -> Tensor:
+def direction_loss(features: Tensor, start: Tensor, text: Tensor, plain: Tensor, least: float = 0.1) -> Tensor:
     """1 − cos(ΔI, ΔT): the image should change in the direction in which the words differ from a plain caption.
 
     An adversarial change, which makes the image similar to the words but like no image, has another direction

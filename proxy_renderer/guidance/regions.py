@@ -108,9 +108,7 @@ def subject_views(display: Tensor, mask: Tensor, count: int, generator: torch.Ge
     return cut[:, :3] + (1.0 - cut[:, 3:]) * backgrounds[:, :, None, None]
 
 
-def surroundings_views(
-    display: Tensor, mask: Tensor, count: int, generator: torch.Generator, size: int
-) -> Tensor:
+def surroundings_views(display: Tensor, mask: Tensor, count: int, generator: torch.Generator, size: int) -> Tensor:
     """I ⊙ (1 − M), the hole filled with the mean color of what remains. Arguments as for `subject_views`."""
     rest = (1.0 - mask)[..., None]
     filled = display * rest + mask[..., None] * mean(display, 1.0 - mask)

@@ -16,10 +16,7 @@ from ..rigs.places import BRIGHTNESS
 from ..scene import Light, SceneData
 from ..schema import Values, split_key
 
-_ROUNDING, _ZERO = (
-    1e-4,
-    1e-5,
-)  # relative and absolute rounding error of a number on the way into Blender and back
+_ROUNDING, _ZERO = (1e-4, 1e-5)  # relative and absolute rounding error of a number on the way into Blender and back
 _BAKED = 0.02  # mean difference, relative to the mean, by which two bakes of an image may differ
 _COMPARED = ("resolution", "pixel_aspect", "camera", "materials", "objects", "volume", "bounces", "unseen")
 
@@ -69,8 +66,7 @@ def _is_same_light(one: Light, other: Light) -> bool:
     if one.fixed:
         return alike(one, other)
     one, other = (
-        replace(each, position=(0.0, 0.0, 0.0), added=False, role="", use_temperature=False)
-        for each in (one, other)
+        replace(each, position=(0.0, 0.0, 0.0), added=False, role="", use_temperature=False) for each in (one, other)
     )
     return alike(one, other)
 

@@ -104,15 +104,11 @@ class RoundObjective:
     def judge(self, pictures: Sequence[Render], u: Tensor) -> Assessment:
         """The assessment of u (N,) from its images, one for each shot, which are given."""
         similar = [
-            term
-            for n, picture in enumerate(pictures)
-            for term in self._similar(picture, fixed_views(), n).values()
+            term for n, picture in enumerate(pictures) for term in self._similar(picture, fixed_views(), n).values()
         ]
         rows = [row for shot, picture in zip(self.seen, pictures, strict=True) for row in shot.aims(picture)]
         aims = [row[1:] for row in rows]
-        values, lower, upper = (
-            torch.cat([u.new_zeros(0), *(row[i].to(u) for row in aims)]) for i in range(3)
-        )
+        values, lower, upper = (torch.cat([u.new_zeros(0), *(row[i].to(u) for row in aims)]) for i in range(3))
         numbers = [torch.full(row[0].shape, number) for number, row in enumerate(aims)]
         claim = torch.cat([torch.zeros(0).long(), *numbers])
         finish = torch.tensor([MEASURES[each.measure].of_finish for each, *_ in rows]).bool()[claim]
@@ -231,9 +227,7 @@ def gradients(found: Assessment, leaves: Sequence[Tensor], together: bool = Fals
 
 
 @torch.no_grad()
-def difference_slopes(
-    assess: Callable[[Tensor], Assessment], u: Tensor, chosen: Tensor, strides: Tensor
-) -> Slopes:
+def difference_slopes(assess: Callable[[Tensor], Assessment], u: Tensor, chosen: Tensor, strides: Tensor) -> Slopes:
     """Slopes at u (N,) over the chosen components (N,) bool, by the difference along a stride (N,) in each of them."""
     here = assess(u)
     columns, rest = [], []
@@ -340,9 +334,7 @@ class _ForwardShot:
     def picture(self, point: Tensor) -> Render:
         """The image of the point u (N,), differentiable in the leaves and in the film's values."""
         linear, transmittance, *alpha = self.leaves
-        latent = replace(
-            self._here, linear=linear, transmittance=transmittance, alpha=alpha[0] if alpha else None
-        )
+        latent = replace(self._here, linear=linear, transmittance=transmittance, alpha=alpha[0] if alpha else None)
         values = chosen_values(self._shot.vector, point, self._proxy.device, self._film)
         return self._proxy.develop(latent, values)
 

@@ -119,9 +119,7 @@ class RoundEnd:
     descent: Descent  # the result of the inner steps
 
     @classmethod
-    def seen(
-        cls, search: Search, now: Confined, chosen: Selection, descent: Descent, seconds: float
-    ) -> RoundEnd:
+    def seen(cls, search: Search, now: Confined, chosen: Selection, descent: Descent, seconds: float) -> RoundEnd:
         """The end of a round at the point where its steps ended, of which Cycles renders an image."""
         record = {
             "parameters": chosen.keys,

@@ -69,10 +69,7 @@ def mean_luminance(image: np.ndarray | None) -> float:
 
 def _picture_stats(picture: Render) -> PictureStats:
     lab, mask = lab_from_srgb(picture.display.detach()).cpu(), picture.mask.detach().cpu()
-    means: dict[Region, Tensor] = {
-        "subject": regions.mean(lab, mask),
-        "surroundings": regions.mean(lab, 1.0 - mask),
-    }
+    means: dict[Region, Tensor] = {"subject": regions.mean(lab, mask), "surroundings": regions.mean(lab, 1.0 - mask)}
     spread = torch.quantile(lab[..., 0].flatten(), torch.tensor([0.05, 0.5, 0.95]))
     return PictureStats(
         lab={region: tuple(m.tolist()) for region, m in means.items()}, percentiles=tuple(spread.tolist())

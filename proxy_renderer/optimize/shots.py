@@ -269,9 +269,7 @@ class ShotState:
         return self._with(replace(self.anchor, u=None), self.vector.taking(named))
 
 
-def draw(
-    proxy: Proxy, vector: ParameterVector, u: Tensor, free: set[str] | frozenset[str] = frozenset()
-) -> Render:
+def draw(proxy: Proxy, vector: ParameterVector, u: Tensor, free: set[str] | frozenset[str] = frozenset()) -> Render:
     """The proxy's image of u (N,), I = R(θ), equation 1; only values that differ from the artist's are set, see `chosen_values`."""
     return proxy.render(chosen_values(vector, u, proxy.device, free))
 
@@ -325,9 +323,7 @@ def shared_parameters(
                 instance = replace(instance, owner=f"shot {number}")
             mine[key] = instance.key
             first = shared.setdefault(instance.key, instance)
-            moves = files.setdefault(instance.key, view.file) == view.file and not alike(
-                first.value, instance.value
-            )
+            moves = files.setdefault(instance.key, view.file) == view.file and not alike(first.value, instance.value)
             reason = first.locked or instance.locked or (MOVES if moves else "")
             if reason != first.locked:
                 shared[instance.key] = replace(first, locked=reason)
@@ -367,9 +363,7 @@ def lock(
             return f"{labels.GROUP_TITLES[group]} may not change"
         return ""
 
-    return {
-        key: replace(i, locked=i.locked or reason(key, i.parameter.group)) for key, i in instances.items()
-    }
+    return {key: replace(i, locked=i.locked or reason(key, i.parameter.group)) for key, i in instances.items()}
 
 
 def picture_size(resolution: tuple[int, int], longest: int) -> tuple[int, int]:

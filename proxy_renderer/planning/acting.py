@@ -49,9 +49,7 @@ def goals_without_rig(goals: Goals, light: LightPlan) -> Goals:
         return goals
     every = (*goals.wishes, *(each.wish for each in goals.lost))
     lit = [wish for wish in every if wish.attribute in light.served and wish.quantity in _LIT]
-    beaten = {
-        id(w): first for w in goals.wishes for first in (*lit, *light.shown) if _outshone(w, first, light)
-    }
+    beaten = {id(w): first for w in goals.wishes for first in (*lit, *light.shown) if _outshone(w, first, light)}
     left = tuple(_left(wish, light) for wish in goals.wishes if id(wish) not in beaten)
     lost = tuple(Lost(wish, beaten[id(wish)]) for wish in goals.wishes if id(wish) in beaten)
     return replace(goals, wishes=left, lost=(*goals.lost, *lost), shown=light.shown)

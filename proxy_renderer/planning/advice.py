@@ -40,9 +40,7 @@ class Prompts:
     whole_negatives: tuple[str, ...] = ()  # captions that the image must not fit: "thick fog" for "no fog"
 
 
-def compose(
-    parsed: Parsed, overruled: Collection[Attribute] = (), vocabulary: Vocabulary | None = None
-) -> Prompts:
+def compose(parsed: Parsed, overruled: Collection[Attribute] = (), vocabulary: Vocabulary | None = None) -> Prompts:
     """Captions and negatives of a parsed prompt, without the words in `overruled`."""
     captions = _Captions(vocabulary or default_vocabulary())
     meant = [a for a in parsed.attributes if a not in overruled]

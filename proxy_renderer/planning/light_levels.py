@@ -75,10 +75,7 @@ def watts(instance: Instance, scene: SceneDescription) -> float:
 
 
 def facing_radiance(
-    instances: dict[str, Instance],
-    scene: SceneDescription,
-    value: Value,
-    lights: Collection[str] | None = None,
+    instances: dict[str, Instance], scene: SceneDescription, value: Value, lights: Collection[str] | None = None
 ) -> float:
     """Radiance, before exposure, of a white surface that faces all lights and glows, or only those that are named.
 

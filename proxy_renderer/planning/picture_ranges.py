@@ -81,9 +81,7 @@ def _cosine(one: tuple[float, float], other: tuple[float, float]) -> float:
     return (one[0] * other[0] + one[1] * other[1]) / lengths if lengths > 1e-9 else 1.0
 
 
-def plan_with_picture(
-    plan: Plan, goals: Goals, instances: Mapping[str, Instance], vocabulary: Vocabulary
-) -> Plan:
+def plan_with_picture(plan: Plan, goals: Goals, instances: Mapping[str, Instance], vocabulary: Vocabulary) -> Plan:
     """A plan of words, extended by a reference image; without one the same plan.
 
     Values that words name keep their entries. Of the rest, only those that the image's wishes are about may change.

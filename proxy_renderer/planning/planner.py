@@ -166,9 +166,7 @@ def _faint(
     entries: Mapping[str, PlanEntry], instances: Mapping[str, Instance], added: Collection[str]
 ) -> dict[str, PlanEntry]:
     """Entries for the power of added lights, which start faint next to the present light."""
-    power = (
-        k for k in entries if instances[k].parameter.family == "light/power" and instances[k].owner in added
-    )
+    power = (k for k in entries if instances[k].parameter.family == "light/power" and instances[k].owner in added)
     lows = {key: tuple(_FAINT * v for v in entries[key].lower) for key in power}
     return {key: replace(entries[key], lower=low, start=low, prior=0.0) for key, low in lows.items()}
 
@@ -305,9 +303,7 @@ class _Planner:
 
     def _glow(self, owner: str) -> float:
         """The artist's emission of a material, times the largest component of its color; 0 without one."""
-        strength, color = (
-            self.instances.get(f"material/{owner}/{n}") for n in ("emission", "emission_color")
-        )
+        strength, color = (self.instances.get(f"material/{owner}/{n}") for n in ("emission", "emission_color"))
         return strength.value[0] * max(color.value) if strength and color else 0.0
 
     def _entry(self, instance: Instance) -> PlanEntry:

@@ -3,14 +3,7 @@
 
 import math
 
-from ..color.floats import (
-    lab_from_srgb,
-    linear_from_srgb,
-    luminance,
-    srgb_from_hex,
-    srgb_from_lab,
-    srgb_from_linear,
-)
+from ..color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_hex, srgb_from_lab, srgb_from_linear
 from ..color.shades import hue_apart, relative_shade, shade
 from ..schema import Instance, Values
 from ..words.attributes import fog_color

@@ -35,11 +35,7 @@ _ADDED = (64.0, 80.0)  # L* of a white surface that faces a light that is added
 
 
 def supports(
-    parsed: Parsed,
-    instances: dict[str, Instance],
-    sources: Sources,
-    entries: dict[str, PlanEntry],
-    owners: Owners,
+    parsed: Parsed, instances: dict[str, Instance], sources: Sources, entries: dict[str, PlanEntry], owners: Owners
 ) -> dict[str, PlanEntry]:
     """Key -> entry of each supporting parameter, in place of an entry that keeps the artist's value.
 
@@ -142,9 +138,7 @@ def missing_lights(
     for wish, effect in acts(goals, vocabulary, owners):
         role = _asked(effect, wish.attribute, owners)
         roles += [role] if role and role not in roles else []
-    return [
-        next(name for name in standby if standby[name] == role) for role in roles if role in standby.values()
-    ]
+    return [next(name for name in standby if standby[name] == role) for role in roles if role in standby.values()]
 
 
 def _asked(effect: Effect, attribute: Attribute, owners: Owners) -> str:

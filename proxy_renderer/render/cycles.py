@@ -115,12 +115,7 @@ class Correction:
         return self._apply(linear, colors, self.fields)
 
     def samples(
-        self,
-        radiance: Tensor,
-        colors: Mapping[str, Tensor],
-        view: View,
-        cache: ViewCache,
-        before: Callable[[], Tensor],
+        self, radiance: Tensor, colors: Mapping[str, Tensor], view: View, cache: ViewCache, before: Callable[[], Tensor]
     ) -> Tensor:
         """Corrected radiance (3, N) of another view's samples: not of its pixels, so that outlines stay smooth.
 

@@ -213,9 +213,7 @@ class Proxy:
         made = partial(shading_inputs_of, material, settings, kept)
         return self._made.of(f"material/{material.name}", settings, made)
 
-    def _cache_of(
-        self, view: View, shading_inputs: list[ShadingInputs], lamps: list[LightSource]
-    ) -> ViewCache:
+    def _cache_of(self, view: View, shading_inputs: list[ShadingInputs], lamps: list[LightSource]) -> ViewCache:
         """The traced view, traced again if the view has changed or a light of a cluster begins to move.
 
         If mirrors have changed, only what they show is traced again; if `fine`, everything is.

@@ -42,11 +42,7 @@ from .levels import GRAY
 
 _BLACK = 1e-7  # least luminance of a sky
 
-_STYLED = {
-    "source": ("style", "film", "mood", "place"),
-    "style": ("mood", "place"),
-    "time": ("style", "film"),
-}
+_STYLED = {"source": ("style", "film", "mood", "place"), "style": ("mood", "place"), "time": ("style", "film")}
 """Kind of a setup -> kinds of other setups whose darkness and grade it takes over: strip lights in a black studio."""
 _LIT = (*LIGHTS, "ambience")  # kinds of things whose color words color the rig's lights, as gels do
 _OF_LIGHT = (*_LIT, "tone", "whole", "shadow")
@@ -145,11 +141,7 @@ def _under_named_sky(rig: Rig, said: Sequence[Attribute]) -> Rig:
 
 
 def _first(
-    setups: list[Attribute],
-    gels: list[Attribute],
-    lights: list[DescribedLight],
-    parts: set[str],
-    table: RigTable,
+    setups: list[Attribute], gels: list[Attribute], lights: list[DescribedLight], parts: set[str], table: RigTable
 ) -> Rig:
     """The rig that words then change; if they only add lights for some `parts`, the scene's own light stays as it is."""
     if setups:

@@ -111,9 +111,7 @@ def _parts_for(words: Sequence[Attribute], table: RigTable, lights: int) -> tupl
     return FREE
 
 
-def composed(
-    light: DescribedLight, lights: Sequence[RigLight], table: RigTable, vocabulary: Vocabulary
-) -> RigLight:
+def composed(light: DescribedLight, lights: Sequence[RigLight], table: RigTable, vocabulary: Vocabulary) -> RigLight:
     """The light that words describe; it replaces the rig's own light of that part, if `lights` has one."""
     base, key = (next((x for x in lights if x.part == part), None) for part in (light.part, "key"))
     made = _placed(_template(light, base, key, table), light, table)
@@ -169,9 +167,7 @@ def _source(attribute: Attribute, table: RigTable) -> RigLight | None:
     return table.rigs[attribute.entry].lights[0] if named else None
 
 
-def _template(
-    light: DescribedLight, base: RigLight | None, key: RigLight | None, table: RigTable
-) -> RigLight:
+def _template(light: DescribedLight, base: RigLight | None, key: RigLight | None, table: RigTable) -> RigLight:
     """The light that words then change: that of the named source, else the rig's own of this part, else a plain one.
 
     For a key, the rig's own comes first.

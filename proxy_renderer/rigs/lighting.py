@@ -157,9 +157,7 @@ def _shape(each: Placed, stage: LightStage) -> dict[str, Values]:
     return found
 
 
-def _trial(
-    scene: SceneData, lights: Sequence[Placed], stage: LightStage, world_color: str
-) -> dict[str, Values]:
+def _trial(scene: SceneData, lights: Sequence[Placed], stage: LightStage, world_color: str) -> dict[str, Values]:
     """Trial values of lights and world, by which the light of each can be measured."""
     values: dict[str, Values] = {}
     for each in lights:
@@ -180,12 +178,7 @@ def _trial(
 
 
 def _balanced(
-    scene: SceneData,
-    rig: Rig,
-    lights: Sequence[Placed],
-    playing: set[str],
-    values: dict[str, Values],
-    levels: Levels,
+    scene: SceneData, rig: Rig, lights: Sequence[Placed], playing: set[str], values: dict[str, Values], levels: Levels
 ) -> dict[str, Values]:
     """Values with the powers that the rig's ratios ask for, its world and its sky, and the scene's other lights dimmed."""
     out = dict(values)
@@ -302,9 +295,7 @@ def _air(scene: SceneData, rig: Rig, parsed: Parsed, served: Sequence[Attribute]
             # In the blue haze of a night the glow of a warm lamp would be gray.
             lamplit = rig.has_dark_sky and not named and red > blue
             tint = (1.0, 1.0, 1.0) if lamplit else linear_from_srgb(srgb_from_hex(_sky_color(rig)))
-            scale = (
-                _DARK_HAZE / max(luminance(tint), _BARELY) if rig.has_dark_sky else color.value[0] / max(tint)
-            )
+            scale = _DARK_HAZE / max(luminance(tint), _BARELY) if rig.has_dark_sky else color.value[0] / max(tint)
             found[color.key] = tuple(min(scale * v, 1.0) for v in tint)
     return found
 

@@ -56,9 +56,7 @@ class Placed:
     fixed: bool = False  # whether it must stay where it is: at a lamp, in a window
 
 
-def placed(
-    lights: Iterable[RigLight], stage: LightStage, add: bool = True, anew: bool = False
-) -> list[Placed]:
+def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True, anew: bool = False) -> list[Placed]:
     """The lights of a rig in a scene, the key first, without those that reach nothing.
 
     A rig's light is one of the scene's or an added one. If neither reaches the target, the scene's key plays the key, and a
@@ -116,9 +114,7 @@ def shared_names(light: RigLight, own: Light) -> set[str]:
 
 def _playable(stage: LightStage, taken: set[str]) -> list[Light]:
     """The lights of the scene that may be changed and play no part yet."""
-    free = {
-        i.owner for i in stage.scene.instances.values() if i.parameter.family in BRIGHTNESS and not i.locked
-    }
+    free = {i.owner for i in stage.scene.instances.values() if i.parameter.family in BRIGHTNESS and not i.locked}
     return [x for x in stage.scene.lights if not x.fixed and x.name in free - taken]
 
 

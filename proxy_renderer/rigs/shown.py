@@ -38,9 +38,7 @@ def wishes_of_rig(chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage
     return tuple(found)
 
 
-def _structure(
-    chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage
-) -> Iterator[tuple[str, ClaimText]]:
+def _structure(chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage) -> Iterator[tuple[str, ClaimText]]:
     """Claims about some lights of a rig, each with the aspect of light that it is about."""
     rig = chosen.rig
     key = next((each for each in lights if each.light.part == "key"), None)

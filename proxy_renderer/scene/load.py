@@ -70,8 +70,7 @@ def _scene(folder: Path, content: dict[str, Any]) -> data.SceneData:
         mesh=_mesh(folder / "meshes.npz", len(materials), len(objects)),
         instances=_instances(content["parameters"]),
         standby=data.Standby(
-            tuple(_light(light) for light in standby.get("lights", ())),
-            _instances(standby.get("parameters", {})),
+            tuple(_light(light) for light in standby.get("lights", ())), _instances(standby.get("parameters", {}))
         ),
         bounces=int(content.get("bounces", 4)),
         unseen={key: i.value for key, i in _instances(content.get("unseen", {})).items()},
@@ -143,9 +142,7 @@ def _mesh(path: Path, materials: int, objects: int) -> data.SceneMesh:
     for name, tail in _MESH_SHAPES.items():
         kind = np.float32 if name in ("vertices", "normals", "uvs") else np.int32
         arrays[name] = np.ascontiguousarray(arrays[name], kind)
-        if arrays[name].shape[1:] != tail or (
-            name != "vertices" and len(arrays[name]) != len(arrays["faces"])
-        ):
+        if arrays[name].shape[1:] != tail or (name != "vertices" and len(arrays[name]) != len(arrays["faces"])):
             raise ValueError(f"{name} has the shape {arrays[name].shape}")
     for name, count in (("faces", len(arrays["vertices"])), ("material", materials), ("object", objects)):
         if arrays[name].size and not 0 <= arrays[name].min() <= arrays[name].max() < count:
@@ -166,12 +163,8 @@ def _is_alike(mesh: data.SceneMesh, arrays: dict[str, Array]) -> bool:
         return False
     if not all(np.array_equal(*pairs[name]) for name in pairs.keys() - _ALIKE):
         return False
-    greatest = {
-        name: max(float(np.abs(mesh.vertices).max()), 1e-9) if name == "vertices" else 1.0 for name in _ALIKE
-    }
-    return all(
-        np.abs(np.subtract(*pairs[name])).max() <= most * greatest[name] for name, most in _ALIKE.items()
-    )
+    greatest = {name: max(float(np.abs(mesh.vertices).max()), 1e-9) if name == "vertices" else 1.0 for name in _ALIKE}
+    return all(np.abs(np.subtract(*pairs[name])).max() <= most * greatest[name] for name, most in _ALIKE.items())
 
 
 def _drop_broken(arrays: dict[str, Array]) -> dict[str, Array]:

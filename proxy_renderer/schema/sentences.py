@@ -131,9 +131,7 @@ def plain(sentence: str) -> PlainSentence:
         factor = _factor(found.groupdict())
         text = text.replace(found[0], f"{found['sign']} {found['what']}")
     elif found := _PATTERNS["share_after"].search(text):
-        factor = _factor(
-            {"share": found["share"], "sign": "less" if _PATTERNS["less"].search(text) else "more"}
-        )
+        factor = _factor({"share": found["share"], "sign": "less" if _PATTERNS["less"].search(text) else "more"})
         text = text.replace(found[0], "")
         if "," in text:  # a factor would apply to the whole sentence, but is meant for its last part
             factor = 0.0

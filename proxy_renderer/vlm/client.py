@@ -50,12 +50,8 @@ _FORMATS = ("json_schema", "json_object", "text")
 _MOST_TOKENS = 8192  # a plan has one or two thousand; the rest is for models that think first
 _TEMPERATURE = re.compile(r"temperature", re.IGNORECASE)
 _LIMIT = re.compile(r"max_(completion_)?tokens", re.IGNORECASE)
-_FORMAT = re.compile(
-    r"response_format|json_schema|json_object|schema|grammar|structured|json mode", re.IGNORECASE
-)
-_PICTURE = re.compile(
-    r"image|vision|multi-?modal|mmproj|content.{0,20}(part|type|array|list|string)", re.IGNORECASE
-)
+_FORMAT = re.compile(r"response_format|json_schema|json_object|schema|grammar|structured|json mode", re.IGNORECASE)
+_PICTURE = re.compile(r"image|vision|multi-?modal|mmproj|content.{0,20}(part|type|array|list|string)", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -170,9 +166,7 @@ class Cache:
 
 _VERSION = 1  # of the questions and the reading of answers; a new one invalidates the cache
 _REFUSALS = 8  # requests that a server may refuse before it counts as useless
-_AGAIN = (
-    "That was not what was asked for. Reply exactly in the form that was asked for, and with nothing else."
-)
+_AGAIN = "That was not what was asked for. Reply exactly in the form that was asked for, and with nothing else."
 
 
 @dataclass
@@ -208,9 +202,7 @@ class Client:
         self.usage = Usage()
         self.dialect = Dialect()
 
-    def ask(
-        self, question: Question, check: Callable[[Any], object] | None = None, fresh: bool = False
-    ) -> Any:
+    def ask(self, question: Question, check: Callable[[Any], object] | None = None, fresh: bool = False) -> Any:
         """The answer: an object if there is a schema, else text. If `check` raises ModelError, the model is asked once more."""
         point = self.endpoint
         asked = (question.system, question.text, question.schema, question.picture or b"")

@@ -43,9 +43,7 @@ class Endpoint:
         return urlsplit(self.url).netloc.rpartition("@")[2]
 
 
-def find_endpoint(
-    options: Options, key: str = "", environment: Mapping[str, str] | None = None
-) -> Endpoint | None:
+def find_endpoint(options: Options, key: str = "", environment: Mapping[str, str] | None = None) -> Endpoint | None:
     """The model to ask, or None: no model is asked unless one is named.
 
     Options override the environment: VIBE_VLM_MODEL, VIBE_VLM_URL (else OPENAI_BASE_URL, else

@@ -55,9 +55,7 @@ class Verdict:
     reason: str  # one sentence
 
 
-def judge(
-    client: Client, columns: Sequence[Column], rows: tuple[str, str] = ROWS, fresh: bool = False
-) -> Verdict:
+def judge(client: Client, columns: Sequence[Column], rows: tuple[str, str] = ROWS, fresh: bool = False) -> Verdict:
     """Asks a model which row of a figure is better, in the paper's words. Raises ModelError if it gives no verdict."""
     text = instructions([c.name for c in columns], rows)
     question = Question(text, "The comparison figure:", jpeg_of(figure(columns, rows)), must_see=True)

@@ -191,12 +191,7 @@ def answer_schema(table: AliasTable) -> dict[str, Any]:
 
 def json_object(**properties: Any) -> dict[str, Any]:
     """The JSON schema of an object with these properties, all of them required, and no others."""
-    return {
-        "type": "object",
-        "properties": properties,
-        "required": list(properties),
-        "additionalProperties": False,
-    }
+    return {"type": "object", "properties": properties, "required": list(properties), "additionalProperties": False}
 
 
 def _docs(table: AliasTable) -> dict[str, str]:

@@ -22,10 +22,7 @@ from .types import SceneDescription
 TIES = ("link", "around", "joiner", "comparison", "exception")  # they say how neighbors belong together
 _LONGEST = 5  # words in a phrase
 _SHORTEST, _SHORTEST_FOREIGN = 4, 6  # characters of a word that may be mistyped
-_OF_A_CAMERA = (
-    "beyond",
-    "focus",
-)  # lists of words that no parameter fulfills, unless they name a thing in the scene
+_OF_A_CAMERA = ("beyond", "focus")  # lists of words that no parameter fulfills, unless they name a thing in the scene
 _COMPARED = ("finish", "grade", "mood", "atmosphere")  # slots of "glossier", "moodier", "drier"
 _NAME_ALIKE, _ALIKE = 0.86, 0.84  # least similarity, by difflib, of a mistyped name and of any other word
 _BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*=+]|#(?![0-9a-f]{6}\b)|\s[-–—/]\s|/|(?<=\bon)\s(?=with\b)")
@@ -82,9 +79,7 @@ class Lexer:
     Words of another language, `foreign`, are taken for misspelled English only if they are long: "travertin".
     """
 
-    def __init__(
-        self, vocabulary: Vocabulary, words: SceneDescription, foreign: Collection[str] = ()
-    ) -> None:
+    def __init__(self, vocabulary: Vocabulary, words: SceneDescription, foreign: Collection[str] = ()) -> None:
         self.vocabulary, self.foreign = vocabulary, {*map(normalize, foreign)}
         self.names = scene_names(words)
         self._in_names = {word for name in self.names for word in name.split()}

@@ -18,9 +18,7 @@ _CLAUSE = re.compile(r"[,.;:!]|\b(?:and|but|with|while)\b")
 _UNBOUND = "'{}': there is no {} '{}' in the scene; not used."
 
 
-def without_links(
-    text: str, scene: SceneDescription, vocabulary: Vocabulary
-) -> tuple[str, list[SaidLink], list[str]]:
+def without_links(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> tuple[str, list[SaidLink], list[str]]:
     """A prompt without the words that link lights, the links, and notes on links that name nothing in the scene."""
     links, notes = list[SaidLink](), list[str]()
     *_, spares = patterns = vocabulary.made(_linking)
@@ -78,9 +76,7 @@ def _lights(noun: str, scene: SceneDescription, vocabulary: Vocabulary) -> tuple
     return tuple(names), (kind if kind in ("fill", "rim") else role) if is_light else ""
 
 
-def _objects(
-    match: re.Match[str], scene: SceneDescription, vocabulary: Vocabulary
-) -> tuple[tuple[str, ...], int]:
+def _objects(match: re.Match[str], scene: SceneDescription, vocabulary: Vocabulary) -> tuple[tuple[str, ...], int]:
     """The objects that nouns after a link name, and where the link ends: before "and warm fog"."""
     first, *others = _AND.split(match["what"])
     found, end = [*_called(first, scene, vocabulary)], match.start("what") + len(first)

@@ -10,17 +10,7 @@ from .lexer import Token
 from .lexicon.vocabulary import Vocabulary
 from .names import FITS, parts
 from .passage import Passage
-from .scene import (
-    REGIONS,
-    LookIndex,
-    Named,
-    NounMention,
-    SceneIndex,
-    fit_rank,
-    fit_signs,
-    materials_of,
-    surest,
-)
+from .scene import REGIONS, LookIndex, Named, NounMention, SceneIndex, fit_rank, fit_signs, materials_of, surest
 from .types import SceneDescription
 
 _LONGEST = 3  # tokens of a name
@@ -130,9 +120,7 @@ class _NounFinder:
         token = self.items[start]
         named = self.index.named(said) or self._lamps(said)
         of_a_role = token.noun in ("rim", "fill") and not token.text.endswith("s")
-        if (
-            of_a_role or token.text in self.vocabulary.roles
-        ):  # a "blue rim" is of light, though glasses have rims
+        if of_a_role or token.text in self.vocabulary.roles:  # a "blue rim" is of light, though glasses have rims
             named = [n for n in named if n.kind == "lights"] or self._surely(named)
         last = said[-1:]
         if not named and len(said) > 1 and token.noun != "tone":  # "the whole picture" is no object

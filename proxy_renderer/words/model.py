@@ -95,9 +95,7 @@ def likeliest_row(read: PromptPairs, weights: Mapping[str, float]) -> list[Targe
     return _viterbi(read.passage, somewhere, weights)
 
 
-def _viterbi(
-    passage: Passage, pairs: Sequence[Sequence[TargetPair]], weights: Mapping[str, float]
-) -> list[TargetPair]:
+def _viterbi(passage: Passage, pairs: Sequence[Sequence[TargetPair]], weights: Mapping[str, float]) -> list[TargetPair]:
     if not pairs:
         return []
     rows, scores, links = _chain(passage, pairs, weights)
@@ -143,8 +141,7 @@ def _chain(
     rows = [[pair for pair, _ in each] for each in found]
     scores = [np.array([score for _, score in each]) for each in found]
     links = [
-        np.array([[weights.get(link(passage, a, b), 0.0) for b in other] for a in one])
-        for one, other in pairwise(rows)
+        np.array([[weights.get(link(passage, a, b), 0.0) for b in other] for a in one]) for one, other in pairwise(rows)
     ]
     return rows, scores, links
 
@@ -319,9 +316,7 @@ class PairFeatures:
             yield f"several at {group} by a singular"
             yield from (f"several at {group} by a singular, {sign}" for sign in target.signs)
 
-    def _place_facts(
-        self, mention: NounMention, group: str, where: str, low: int, high: int
-    ) -> Iterator[str]:
+    def _place_facts(self, mention: NounMention, group: str, where: str, low: int, high: int) -> Iterator[str]:
         """Side, distance and clause of a noun, the ties between it and the look word, and the tie before it."""
         items, side = self.items, where.partition(",")[0]
         between = self.forms.passage.content(low + 1, high)
@@ -357,17 +352,13 @@ def _kinds(mentions: list[NounMention]) -> str:
     return " and ".join(sorted(kinds)) if len(kinds) <= 2 else "many"
 
 
-def looks(
-    text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()
-) -> Passage:
+def looks(text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()) -> Passage:
     """A prompt with its look words, of which nothing is bound; `foreign` are words of another language that are left in it."""
     clauses = with_changes(Lexer(vocabulary, words, foreign).clauses(text), vocabulary)
     return passage(clauses, vocabulary)
 
 
-def reading(
-    text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()
-) -> PromptPairs:
+def reading(text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()) -> PromptPairs:
     """The look words of a prompt, each with everything that it may describe. Arguments as for `looks`."""
     found = looks(text, words, vocabulary, foreign)
     nouns = mentions(found, words.made(SceneIndex, vocabulary), vocabulary)

@@ -190,15 +190,11 @@ def why(reading: PromptReading) -> str:
         for score, pair in ranked[:_TARGETS] + [each for each in ranked[_TARGETS:] if each[1] is chosen]:
             facts = sorted(filter(weights.__contains__, pair.features), key=lambda name: -abs(weights[name]))
             most = ", ".join(f"{name} {weights[name]:+.1f}" for name in facts[:_FACTS])
-            lines.append(
-                f"   {'→' if pair is chosen else ' '} {math.exp(score):4.0%}  {pair.target}  ({most})"
-            )
+            lines.append(f"   {'→' if pair is chosen else ' '} {math.exp(score):4.0%}  {pair.target}  ({most})")
     return "\n".join(lines)
 
 
-def _prompt_words(
-    reading: PromptReading, parsed: Parsed, own: Callable[[str], str]
-) -> tuple[PromptWord, ...]:
+def _prompt_words(reading: PromptReading, parsed: Parsed, own: Callable[[str], str]) -> tuple[PromptWord, ...]:
     """The look words of a prompt and the words that are left out, in its order; `own` gives its words for English ones."""
     numbers = key_numbers([pair.look.text for pair in reading.chosen])
     words = []

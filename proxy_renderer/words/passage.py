@@ -117,9 +117,7 @@ def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterato
         yield replace(token, clause=number, wished=index < until)
 
 
-def _looks(
-    found: Passage, clause: Iterable[tuple[int, Token]], vocabulary: Vocabulary
-) -> Iterator[PromptLook]:
+def _looks(found: Passage, clause: Iterable[tuple[int, Token]], vocabulary: Vocabulary) -> Iterator[PromptLook]:
     """The look words of a clause, with the intensities and negations before them."""
     prefix: list[str] = []
     strength, negated = 1.0, False

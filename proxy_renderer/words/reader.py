@@ -18,19 +18,7 @@ from .model import likeliest_row, probabilities, reading, scores, shipped_weight
 from .own_nouns import AbsentObjects
 from .passage import PromptLook
 from .scene import materials_of
-from .targets import (
-    LAMPS,
-    MATTER,
-    NOWHERE,
-    ROLES,
-    TINGE,
-    PromptPairs,
-    Target,
-    TargetPair,
-    rest,
-    sense_at,
-    with_choices,
-)
+from .targets import LAMPS, MATTER, NOWHERE, ROLES, TINGE, PromptPairs, Target, TargetPair, rest, sense_at, with_choices
 from .types import GLOW, STRONGEST, WEAKEST, Attribute, Parsed, SceneDescription
 
 _PLAIN = "Use plain look words that the vocabulary knows."
@@ -193,9 +181,7 @@ def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
         if kind == "none":
             return []
         thing = _thing(read, pair)
-        return _attributes(
-            read, pair, entry, replace(thing, thing=pair.chosen) if pair.target.names else thing
-        )
+        return _attributes(read, pair, entry, replace(thing, thing=pair.chosen) if pair.target.names else thing)
     # "pier", if the scene has one
     is_a_name = any(m.named and m.covers(pair.look.index) for m in read.pairs.mentions)
     unsure = _is_unsure(read, number)

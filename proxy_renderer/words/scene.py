@@ -244,9 +244,7 @@ class LookIndex:
         if nearest >= _NEAR:
             return frozenset()
         alike = {n for n, distance in far.items() if distance <= nearest + _ALIKE}
-        others = (
-            n for n, distance in far.items() if distance < _CLEAR * (nearest + _ALIKE) and n not in alike
-        )
+        others = (n for n, distance in far.items() if distance < _CLEAR * (nearest + _ALIKE) and n not in alike)
         least = min(self._looks[n].share for n in alike)
         clear = all(least >= _MAIN * self._looks[n].share for n in others)
         return frozenset(alike if clear else ())

@@ -96,9 +96,7 @@ class SceneDescription:
     picture: PictureStats | None = None  # of the image that these values give; None before the first one
     # copy of a material that the words need -> the objects that are to wear it, see `schema.material_copies`
     copies: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    _made: dict[Any, tuple[Vocabulary, Any]] = field(
-        init=False, repr=False, compare=False, default_factory=dict
-    )
+    _made: dict[Any, tuple[Vocabulary, Any]] = field(init=False, repr=False, compare=False, default_factory=dict)
 
     def made(self, make: Callable[[SceneDescription, Vocabulary], T], vocabulary: Vocabulary) -> T:
         """An object made of this description and a vocabulary; it is made once and kept."""

@@ -50,22 +50,14 @@ def shot(scene, camera="", frame=None, blend="vibed.blend"):
         (
             [shot("a", "Wide"), shot("a", "Close"), shot("b", "Wide", blend="vibed-2.blend")],
             "1-24",
-            [
-                Take(0, "Wide", "1-24", "a-Wide"),
-                Take(0, "Close", "1-24", "a-Close"),
-                Take(1, "Wide", "1-24", "b-Wide"),
-            ],
+            [Take(0, "Wide", "1-24", "a-Wide"), Take(0, "Close", "1-24", "a-Close"), Take(1, "Wide", "1-24", "b-Wide")],
         ),
         (  # a grade for each frame
             [shot("a", frame=1), shot("a", frame=50, blend="vibed-2.blend")],
             "",
             [Take(0, "", "1", "1"), Take(1, "", "50", "50")],
         ),
-        (
-            [shot("a", "A/B: ../x"), shot("a", "B")],
-            "",
-            [Take(0, "A/B: ../x", "", "A_B_.._x"), Take(0, "B", "", "B")],
-        ),
+        ([shot("a", "A/B: ../x"), shot("a", "B")], "", [Take(0, "A/B: ../x", "", "A_B_.._x"), Take(0, "B", "", "B")]),
     ],
 )
 def test_final_frames_are_those_of_the_shots(shots, wanted, expected):
@@ -75,9 +67,7 @@ def test_final_frames_are_those_of_the_shots(shots, wanted, expected):
 
 
 def test_final_frames_of_shots_that_share_a_look(tmp_path):
-    plan = BatchPlan(
-        [SceneGroup("kitchen", Path("a.blend"), "digest", ("noir",), (0,), ("--cameras=Wide,Close",))]
-    )
+    plan = BatchPlan([SceneGroup("kitchen", Path("a.blend"), "digest", ("noir",), (0,), ("--cameras=Wide,Close",))])
     limits = Limits(free_gb=0.0, retries=0)
     carry_out(tmp_path, plan, limits)
     with Store(tmp_path) as store:
@@ -121,14 +111,9 @@ def test_the_next_run_tries_failed_jobs_again(tmp_path):
 
 @pytest.mark.parametrize(
     ("prompt", "limit", "said"),
-    [
-        ("sleeps", {"minutes": 0.02}, "longer than 0.02 minutes"),
-        ("eats", {"memory_gb": 0.3}, "more than 0.3"),
-    ],
+    [("sleeps", {"minutes": 0.02}, "longer than 0.02 minutes"), ("eats", {"memory_gb": 0.3}, "more than 0.3")],
 )
-def test_a_job_over_its_limit_is_ended_with_its_children_and_the_next_one_goes_on(
-    tmp_path, prompt, limit, said
-):
+def test_a_job_over_its_limit_is_ended_with_its_children_and_the_next_one_goes_on(tmp_path, prompt, limit, said):
     _, rows = carry_out(tmp_path, plan_of(prompt, "noir"), Limits(**QUICK, **limit))
     assert [row["status"] for row in rows] == ["failed", "done"]
     assert said in rows[0]["error"]
@@ -145,12 +130,7 @@ def test_several_workers_share_the_jobs(tmp_path):
 def test_what_is_killed_is_resumed_with_the_same_results(tmp_path):
     prompts = [f"slow {n}" for n in range(6)]
     whole, _ = carry_out(tmp_path / "whole", plan_of(*prompts))
-    program = [
-        sys.executable,
-        str(ROOT / "tests" / "batch_parts.py"),
-        str(tmp_path / "cut"),
-        *prompts,
-    ]
+    program = [sys.executable, str(ROOT / "tests" / "batch_parts.py"), str(tmp_path / "cut"), *prompts]
     process = subprocess.Popen(program, env={**os.environ, "PYTHONPATH": str(ROOT)})
     deadline = time.monotonic() + 60
     while len(list(tmp_path.glob("cut/jobs/*/done.json"))) < 2:
@@ -169,18 +149,12 @@ def test_a_moved_folder_resumes(tmp_path):
     shutil.move(tmp_path / "here", tmp_path / "there")
     told, rows = carry_out(tmp_path / "there", plan_of("noir", "misty", "neon"))
     assert told == [("started", "neon"), ("done", "neon")]
-    assert not any(
-        str(tmp_path) in (tmp_path / "there" / n).read_text() for n in ("index.html", "results.csv")
-    )
+    assert not any(str(tmp_path) in (tmp_path / "there" / n).read_text() for n in ("index.html", "results.csv"))
     assert len(rows) == 3
 
 
 def test_two_batches_in_one_folder_are_refused(tmp_path):
-    with (
-        Store(tmp_path),
-        pytest.raises(VibeError, match=rf"Another batch .*process {os.getpid()}"),
-        Store(tmp_path),
-    ):
+    with Store(tmp_path), pytest.raises(VibeError, match=rf"Another batch .*process {os.getpid()}"), Store(tmp_path):
         pass
     with Store(tmp_path):
         pass
@@ -220,9 +194,7 @@ def test_the_tables_have_a_row_for_each_job(tmp_path):
     assert (lines[0]["visible"], lines[0]["missed"], lines[0]["already"]) == (["misty"], ["noir"], [])
     assert (cells[0]["visible"], cells[1]["visible"]) == ("misty", "")
     assert lines[0]["delta_e"] == 0.5
-    assert all(
-        (tmp_path / lines[0][kind]).is_file() for kind in ("before", "after", "blend", "preset", "report")
-    )
+    assert all((tmp_path / lines[0][kind]).is_file() for kind in ("before", "after", "blend", "preset", "report"))
     assert cells[1]["error"] == rows[1]["error"]
 
 

@@ -224,18 +224,8 @@ def test_mistakes_in_shots_are_found_with_their_place(place, old, new, at, words
         ("size = 256", "size = 7", " > options > size", ["out of range", "32 to 8192"]),
         ("size = 256", "seed = 7", " > options > seed", ["'seed'", "at the top"]),
         ("size = 256", 'groups = ["lights"]', " > options > groups", ["'lights'", "material"]),
-        (
-            "size = 256",
-            'vocabulary = "mine.toml"',
-            " > options > vocabulary",
-            ["mine.toml", "Check the path"],
-        ),
-        (
-            "size = 256",
-            'like = "still.jpg"',
-            " > options > like",
-            ["no picture", "still.jpg", "Check the path"],
-        ),
+        ("size = 256", 'vocabulary = "mine.toml"', " > options > vocabulary", ["mine.toml", "Check the path"]),
+        ("size = 256", 'like = "still.jpg"', " > options > like", ["no picture", "still.jpg", "Check the path"]),
         (
             "size = 256",
             'goals = "dusk.json"',

@@ -31,9 +31,7 @@ def cluster():
     paths = [str(ROOT), str(ROOT / "tests"), os.environ.get("PYTHONPATH", "")]
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(paths))
     monkeypatch.setenv("RAY_worker_niceness", "0")  # or they get nothing of a busy machine
-    cluster = Cluster(
-        initialize_head=True, head_node_args={**NODE, "num_cpus": 0, "include_dashboard": False}
-    )
+    cluster = Cluster(initialize_head=True, head_node_args={**NODE, "num_cpus": 0, "include_dashboard": False})
     cluster.first = cluster.add_node(**NODE)
     yield cluster
     ray.shutdown()
@@ -69,9 +67,7 @@ def test_nodes_that_do_not_see_the_folder_send_their_files(cluster, tmp_path):
         rows = {row["prompt"]: row for row in store.rows(plan)}
     assert [rows[p]["status"] for p in ("noir", "fails")] == ["done", "failed"]
     folder = tmp_path / "out" / rows["noir"]["folder"]
-    assert {"after.png", "vibed.blend", "preset.json", "log.txt", "done.json"} <= {
-        p.name for p in folder.iterdir()
-    }
+    assert {"after.png", "vibed.blend", "preset.json", "log.txt", "done.json"} <= {p.name for p in folder.iterdir()}
     log = (folder / "log.txt").read_text()
     assert "a.blend" in log
     assert "b.blend" in log
@@ -106,9 +102,7 @@ def test_a_lost_head_ends_the_batch_in_one_line_and_the_next_run_continues(clust
     plan, out = plan_of(*PROMPTS), tmp_path / "out"
     program = [sys.executable, str(ROOT / "tests" / "batch_parts.py"), str(out), *PROMPTS]
     variables = {**os.environ, "RAY_CLUSTER": cluster.address}
-    with subprocess.Popen(
-        program, env=variables, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
-    ) as process:
+    with subprocess.Popen(program, env=variables, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as process:
         deadline = time.monotonic() + 240
         while len(list(out.glob("jobs/*/done.json"))) < 2 and process.poll() is None:
             assert time.monotonic() < deadline

@@ -18,9 +18,7 @@ SCENES = ("shots/hall.blend", "shots/table.blend")
 def folder(tmp_path_factory):
     """Two scenes, three prompts, one of which fails."""
     out = tmp_path_factory.mktemp("sheet")
-    carry_out(
-        out, plan_of("misty", "fails", HOSTILE, scenes=SCENES, seeds=(3, 9)), Limits(free_gb=0, retries=0)
-    )
+    carry_out(out, plan_of("misty", "fails", HOSTILE, scenes=SCENES, seeds=(3, 9)), Limits(free_gb=0, retries=0))
     return out
 
 
@@ -115,14 +113,7 @@ def test_a_click_tells_parameters_and_reasons(page):
     cards(page).first.click()
     page.locator(".change").wait_for()
     said = page.locator("#facts").inner_text()
-    for expected in (
-        "hall · seed 3",
-        "misty",
-        "World: Strength",
-        "0.3 → 0.1",
-        "noir: a dark world",
-        "1 left alone",
-    ):
+    for expected in ("hall · seed 3", "misty", "World: Strength", "0.3 → 0.1", "noir: a dark world", "1 left alone"):
         assert expected in said
     assert page.locator("#facts a").first.get_attribute("href").endswith("/vibed.blend")
 
@@ -150,9 +141,7 @@ def test_the_keyboard_does_everything(page):
 
 def test_shots_that_share_a_look_are_all_shown_and_slide_together(browser, tmp_path):
     """A card with four pictures, and one slider for all of them."""
-    shot = SceneGroup(
-        "kitchen", Path("a.blend"), "digest", ("noir",), (0,), ("--cameras=Wide,Close,Top,Door",)
-    )
+    shot = SceneGroup("kitchen", Path("a.blend"), "digest", ("noir",), (0,), ("--cameras=Wide,Close,Top,Door",))
     carry_out(tmp_path, BatchPlan([shot]), Limits(free_gb=0))
     page = browser.new_context(viewport={"width": 1400, "height": 900}, offline=True).new_page()
     page.goto((tmp_path / "index.html").as_uri())

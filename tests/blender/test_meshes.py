@@ -78,9 +78,7 @@ def test_a_texture_without_another_picture(tmp_path):
 @pytest.mark.parametrize("command", ["run", "explain"])
 def test_blender_is_not_started_for_it(tmp_path, command):
     (tmp_path / "points.obj").write_text("v 0 0 0\n")
-    scene, more = (
-        ("points.obj", ["--prompt=teal", "--out=out"]) if command == "run" else ("teal", ["points.obj"])
-    )
+    scene, more = ("points.obj", ["--prompt=teal", "--out=out"]) if command == "run" else ("teal", ["points.obj"])
     done = vibe(command, scene, *more, cwd=tmp_path)
     assert_refused(done, "There is no mesh with faces in points.obj")
     assert "Blender" not in done.stdout

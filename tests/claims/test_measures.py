@@ -272,9 +272,7 @@ def test_parts_and_materials_are_told_apart() -> None:
 
 def test_what_words_color_is_left_out_of_the_light_unless_nothing_else_is_seen() -> None:
     shown = picture()
-    warm = Claim(
-        "warm", "picture", "warmth", "picture", (8.0,), (float("inf"),), apart=(("surroundings", ()),)
-    )
+    warm = Claim("warm", "picture", "warmth", "picture", (8.0,), (float("inf"),), apart=(("surroundings", ()),))
     where = warm.region(shown.seen)
     assert where is not None
     assert not (where & region_of(shown.seen, "surroundings")).any()

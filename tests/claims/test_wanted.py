@@ -58,10 +58,7 @@ def test_every_measure_and_every_parameter_has_a_quantity() -> None:
         ("the table is chrome", {("sharpness", "surroundings")}),
         ("velvet", {("sheen", "subject")}),
         ("ground fog", {("mist_below", "subject"), ("haze", "surroundings")}),
-        (
-            "teal shadows and orange highlights",
-            {("shadow_cast", "picture"), ("highlight_cast", "picture")},
-        ),
+        ("teal shadows and orange highlights", {("shadow_cast", "picture"), ("highlight_cast", "picture")}),
     ],
 )
 def test_words_claim_what_they_are_about(prompt: str, wanted: set[tuple[str, str]]) -> None:
@@ -297,8 +294,7 @@ def test_a_mood_counts_less_and_has_too_much_sooner() -> None:
 
 def test_white_fog_is_light_and_hides_as_much() -> None:
     white, black, green = (
-        {c.measure: c for c in claims(f"{name}, a vase")}
-        for name in ("white fog", "black smoke", "green fog")
+        {c.measure: c for c in claims(f"{name}, a vase")} for name in ("white fog", "black smoke", "green fog")
     )
     assert white["air_lightness"].lower[0] > 60
     assert black["air_lightness"].upper[0] < 40
@@ -338,9 +334,7 @@ def test_a_gray_picture_is_no_sepia() -> None:
 
 def test_a_change_is_enough_near_an_interval_or_with_any_wherever_it_ends() -> None:
     """ "A warm picture" is no longer blue; "a paler wall" may still be dark."""
-    near, anywhere = (
-        Claim("", "", "warmth", "picture", (95.0,), (math.inf,), change=5.0, near=n) for n in (1, 0)
-    )
+    near, anywhere = (Claim("", "", "warmth", "picture", (95.0,), (math.inf,), change=5.0, near=n) for n in (1, 0))
     before, risen = torch.tensor([20.0]), torch.tensor([26.0])
     assert near.miss(risen, before) > 1
     assert anywhere.miss(risen, before) == 0
@@ -513,12 +507,8 @@ def test_a_weak_word_asks_for_less_at_both_ends():
             named = strong and claim.change and not claim.color and claim.weight == 1.0  # no mood, no color
             if not named or claim.word == strong.word:
                 continue
-            near = (
-                (strong.lower[0] - claim.lower[0]) if claim.change > 0 else (claim.upper[0] - strong.upper[0])
-            )
-            far = (
-                (strong.upper[0] - claim.upper[0]) if claim.change > 0 else (claim.lower[0] - strong.lower[0])
-            )
+            near = (strong.lower[0] - claim.lower[0]) if claim.change > 0 else (claim.upper[0] - strong.upper[0])
+            far = (strong.upper[0] - claim.upper[0]) if claim.change > 0 else (claim.lower[0] - strong.lower[0])
             assert near > 0, claim
             assert far > 0 or math.isinf(claim.upper[0] - claim.lower[0]), claim
             checked.add(claim.measure)

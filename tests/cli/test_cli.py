@@ -77,9 +77,7 @@ def test_options_that_mean_nothing(mesh, more, words):
 
 
 def test_a_budget_decides_what_no_option_does():
-    parsed = parser().parse_args(
-        ["run", "a.blend", "--prompt", "p", "--out", "o", "--steps", "7", "--effort", "quick"]
-    )
+    parsed = parser().parse_args(["run", "a.blend", "--prompt", "p", "--out", "o", "--steps", "7", "--effort", "quick"])
     checks.numbers(parsed)
     quick = BUDGETS["quick"]
     assert (parsed.rounds, parsed.steps, parsed.size) == (quick.rounds, 7, quick.size)
@@ -101,10 +99,7 @@ def test_a_stage_for_a_blend(tmp_path):
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        (
-            ["--moments=1: noon; 9: night", "--prompt=teal"],
-            ["--moments gives the look", "Leave out --prompt"],
-        ),
+        (["--moments=1: noon; 9: night", "--prompt=teal"], ["--moments gives the look", "Leave out --prompt"]),
         (["--markers", "--frames=5"], ["--markers gives the look", "Leave out --frames"]),
         (["--moments=1: noon; 9: night", "--markers"], ["Leave out --markers"]),
         (["--moments=1: noon; 9: xqzt"], ["'xqzt'"]),

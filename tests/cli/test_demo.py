@@ -9,11 +9,7 @@ from proxy_renderer.cli.main import main
 
 @pytest.mark.parametrize(
     ("options", "prompt"),
-    [
-        ([], commands.DEMO_PROMPT),
-        (["--like", "a.jpg"], ""),
-        (["--like", "a.jpg", "--prompt", "colder"], "colder"),
-    ],
+    [([], commands.DEMO_PROMPT), (["--like", "a.jpg"], ""), (["--like", "a.jpg", "--prompt", "colder"], "colder")],
 )
 def test_a_picture_takes_the_place_of_the_demos_own_words(monkeypatch, options, prompt):
     asked = []

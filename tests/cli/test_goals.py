@@ -72,7 +72,5 @@ def test_goals_that_are_missing_are_one_line(mesh):
 def test_a_prompt_and_goals_are_too_much(mesh):
     path = mesh.parent / "goals.json"
     path.write_text(json.dumps(written.as_json(goals_of(parse(PROMPT, SceneDescription())))))
-    assert_refused(
-        run(mesh, "--goals", path, "--prompt", PROMPT), "a prompt and goals", "--prompt and --goals"
-    )
+    assert_refused(run(mesh, "--goals", path, "--prompt", PROMPT), "a prompt and goals", "--prompt and --goals")
     assert not (mesh.parent / "out").exists()

@@ -18,16 +18,7 @@ def test_a_look_and_colors_are_added_read_and_listed(own, capsys):
     assert main(["vocabulary", "add", "midnight plum", "--color", "#3a1238", *at]) == 0
     assert (
         main(
-            [
-                "vocabulary",
-                "add",
-                "brand red",
-                "--words",
-                "house red",
-                "--wish",
-                "material/roughness 0.1..0.2 !2",
-                *at,
-            ]
+            ["vocabulary", "add", "brand red", "--words", "house red", "--wish", "material/roughness 0.1..0.2 !2", *at]
         )
         == 0
     )

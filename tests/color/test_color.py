@@ -53,9 +53,7 @@ SHARMA = """
 
 
 def test_ciede2000_reproduces_the_published_pairs():
-    rows = torch.tensor(
-        [[float(x) for x in line.split()] for line in SHARMA.split("\n") if line], dtype=torch.float64
-    )
+    rows = torch.tensor([[float(x) for x in line.split()] for line in SHARMA.split("\n") if line], dtype=torch.float64)
     difference = ciede2000(rows[:, :3], rows[:, 3:6])
     torch.testing.assert_close(difference, rows[:, 6], atol=5e-5, rtol=0)
 
@@ -71,10 +69,7 @@ def test_ciede2000_reproduces_the_published_pairs():
 )
 def test_lab_of_the_primaries(rgb, lab):
     torch.testing.assert_close(
-        lab_from_srgb(torch.tensor(rgb, dtype=torch.float64)),
-        torch.tensor(lab, dtype=torch.float64),
-        atol=0.01,
-        rtol=0,
+        lab_from_srgb(torch.tensor(rgb, dtype=torch.float64)), torch.tensor(lab, dtype=torch.float64), atol=0.01, rtol=0
     )
 
 

@@ -37,10 +37,7 @@ def of_quantities() -> Iterator[tuple[str, ...]]:
     known = quantities()
     yield "quantity", "in sentences", "classes", "parameters that serve it", "measures"
     for name, quantity in known.by_name.items():
-        rows = [
-            [key for key, owner in each.items() if owner == name]
-            for each in (known.parameters, known.measures)
-        ]
+        rows = [[key for key, owner in each.items() if owner == name] for each in (known.parameters, known.measures)]
         yield f"`{name}`", quantity.says, code(quantity.classes), *map(code, rows)
 
 
@@ -75,10 +72,7 @@ def compact(value: object, indent: int = 0, before: int = 0) -> str:
         return line
     if isinstance(value, dict):
         ends, names = "{}", [f"{json.dumps(name)}: " for name in value]
-        rows = [
-            name + compact(each, indent + 2, len(name))
-            for name, each in zip(names, value.values(), strict=True)
-        ]
+        rows = [name + compact(each, indent + 2, len(name)) for name, each in zip(names, value.values(), strict=True)]
     else:
         ends, rows = "[]", [compact(each, indent + 2) for each in value]
     return f"{ends[0]}\n{more}" + f",\n{more}".join(rows) + f"\n{' ' * indent}{ends[1]}"
@@ -88,9 +82,7 @@ def written_anew(text: str) -> str:
     """The page with its tables and its example as the code has them."""
     for name, rows in TABLES.items():
         new = f"<!-- {name} -->\n{table(*rows())}\n<!-- /{name} -->"
-        text, found = re.subn(
-            rf"<!-- {name} -->\n.*?<!-- /{name} -->", lambda _, new=new: new, text, flags=re.S
-        )
+        text, found = re.subn(rf"<!-- {name} -->\n.*?<!-- /{name} -->", lambda _, new=new: new, text, flags=re.S)
         assert found == 1, name
     example = f"```json\n{compact(explained())}\n```"
     return re.sub(r"^```json\n.*?^```$", lambda _: example, text, count=1, flags=re.M | re.S)
@@ -102,10 +94,7 @@ def explained() -> dict:
 
 
 def examples() -> list[dict]:
-    return [
-        json.loads(block)
-        for block in re.findall(r"^```json\n(.*?)^```$", PAGE.read_text("utf-8"), re.M | re.S)
-    ]
+    return [json.loads(block) for block in re.findall(r"^```json\n(.*?)^```$", PAGE.read_text("utf-8"), re.M | re.S)]
 
 
 def test_the_tables_and_the_example_are_the_code_s():

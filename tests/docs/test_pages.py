@@ -71,9 +71,7 @@ def test_fields_of_a_report_are_those_of_the_code():
     packages = (ROOT / "proxy_renderer", ROOT / "addon" / "vibe_render")
     code = "".join(path.read_text("utf-8") for package in packages for path in package.rglob("*.py"))
     page = text("reference/report-json.md")
-    names = [
-        name for row in re.findall(r"^\| (`\w+`[^|]*) \|", page, re.M) for name in re.findall(r"`(\w+)`", row)
-    ]
+    names = [name for row in re.findall(r"^\| (`\w+`[^|]*) \|", page, re.M) for name in re.findall(r"`(\w+)`", row)]
     assert len(names) > 40
     assert [name for name in names if f'"{name}"' not in code and f"{name}:" not in code] == []
 

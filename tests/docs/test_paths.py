@@ -7,24 +7,13 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = [
-    ROOT / "README.md",
-    ROOT / "CONTRIBUTING.md",
-    ROOT / "CHANGELOG.md",
-    *sorted((ROOT / "docs").glob("**/*.md")),
-]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("**/*.md"))]
 PAGES += (
     sorted((ROOT / "LICENSES").glob("*.md"))
     + sorted((ROOT / "proxy_renderer").glob("**/README.md"))
     + sorted((ROOT / "lab").glob("**/README.md"))
 )
-BASES = (
-    ROOT,
-    ROOT / "proxy_renderer",
-    ROOT / "proxy_renderer" / "words",
-    ROOT / "addon" / "vibe_render",
-    ROOT / "lab",
-)
+BASES = (ROOT, ROOT / "proxy_renderer", ROOT / "proxy_renderer" / "words", ROOT / "addon" / "vibe_render", ROOT / "lab")
 """What paths in documents are relative to."""
 TOPS = {p.name for base in BASES for p in base.iterdir() if p.is_dir()}
 PATH = re.compile(r"`((?:[\w.-]+/)+[\w.-]*|\w+\.(?:py|toml))`(?:, `(\w+)(?:\.(?!py)\w+)?`)?")
@@ -43,9 +32,7 @@ def missing(path: str, name: str, folder: Path) -> str:
     """What is not there; "" if all of it is."""
     places = [base / path for base in (*BASES, folder) if (base / path).exists()]
     if not places and "/" not in path:  # a module named by its file alone
-        places = [
-            p for base in (ROOT / "proxy_renderer", ROOT / "addon", ROOT / "tests") for p in base.rglob(path)
-        ]
+        places = [p for base in (ROOT / "proxy_renderer", ROOT / "addon", ROOT / "tests") for p in base.rglob(path)]
     if not places:
         return path
     texts = [p.read_text(encoding="utf-8") for p in places if p.suffix == ".py"]

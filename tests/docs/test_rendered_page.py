@@ -7,8 +7,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "develop" / "what-is-rendered.md"
 BUILDERS = [
-    ROOT / "lab" / "blender" / "scenes" / "properties" / f"{name}.py"
-    for name in ("hiding", "lighting", "imaging")
+    ROOT / "lab" / "blender" / "scenes" / "properties" / f"{name}.py" for name in ("hiding", "lighting", "imaging")
 ]
 FUNCTION = re.compile(r"^def ([a-z]\w+)\(", re.MULTILINE)
 PROPERTY = re.compile(r"^def ([a-z]\w+)\(scene: Scene, subject: Object\)", re.MULTILINE)

@@ -77,9 +77,7 @@ def test_figures_of_the_readme_are_in_the_results():
     results = (ROOT / "docs/research/results.md").read_text("utf-8")
     figures = set(re.findall(r"\d+(?:[.,]\d+)*", section)) - {"2000", "1"}
     assert len(figures) > 10
-    assert [
-        figure for figure in figures if not re.search(rf"(?<![\d.,]){figure}(?![\d]|[.,]\d)", results)
-    ] == []
+    assert [figure for figure in figures if not re.search(rf"(?<![\d.,]){figure}(?![\d]|[.,]\d)", results)] == []
 
 
 def test_the_checks_can_fail():

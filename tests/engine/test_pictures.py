@@ -31,9 +31,7 @@ def test_without_blenders_fonts_there_are_plain_letters():
     assert font(26, "glossy teal", Path("nowhere")).getlength("glossy teal") > 0
 
 
-@pytest.mark.parametrize(
-    "prompt", ["soft warm light, glossy teal, " * 20, "車はマットな赤、窓からの冷たい光" * 9]
-)
+@pytest.mark.parametrize("prompt", ["soft warm light, glossy teal, " * 20, "車はマットな赤、窓からの冷たい光" * 9])
 def test_long_prompts_are_wrapped_and_cut(prompt, fonts):
     face = font(26, prompt, fonts)
     lines = wrapped(prompt, face, 600.0, 4)

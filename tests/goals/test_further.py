@@ -128,9 +128,7 @@ def test_only_values_of_the_word_may_move_and_only_near_where_they_are():
 
 
 def test_color_words_hold_lightness_and_lightness_words_hold_color():
-    held = {
-        word: [c for c in claims_of(step(word), VOCABULARY) if not c.word] for word in ("warmer", "darker")
-    }
+    held = {word: [c for c in claims_of(step(word), VOCABULARY) if not c.word] for word in ("warmer", "darker")}
     assert all(len(claims) > 8 for claims in held.values())
     assert all(math.isfinite(c.upper[0]) and math.isinf(c.upper[1]) for c in held["warmer"])
     assert all(c.measure == "chromaticity" and math.isfinite(c.upper[1]) for c in held["darker"])
@@ -143,9 +141,7 @@ def test_a_word_about_an_object_holds_all_of_the_rest():
 
 
 def test_what_the_sentence_leaves_alone_is_held_closely():
-    held = [
-        c for c in claims_of(step("warmer, but leave the wall"), VOCABULARY) if c.materials == ("Plaster",)
-    ]
+    held = [c for c in claims_of(step("warmer, but leave the wall"), VOCABULARY) if c.materials == ("Plaster",)]
     others = [c for c in claims_of(step("warmer"), VOCABULARY) if not c.word]
     assert len(held) == 1
     assert held[0].upper[0] < others[0].upper[0]

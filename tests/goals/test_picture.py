@@ -75,10 +75,7 @@ def test_a_word_settles_what_a_picture_says_of_the_same(prompt, text, word):
     assert [str(claim) for wish in goals.pictured for claim in wish.claims] == [MEDIAN]
     rows = written.as_json(goals)["words"]
     assert [
-        w["gave_way_to"]
-        for row in rows
-        for w in row["wishes"]
-        if "a.jpg" in row["word"] and "gave_way_to" in w
+        w["gave_way_to"] for row in rows for w in row["wishes"] if "a.jpg" in row["word"] and "gave_way_to" in w
     ] == [word]
 
 
@@ -129,9 +126,7 @@ def test_brighter_lifts_the_middle_more_than_black():
 
 
 def test_of_two_words_of_one_measure_the_first_moves_the_picture():
-    once, twice = (
-        claimed(beside(p, MEDIAN, fact("lightness", 43.0))) for p in ("brighter", "brighter, bright")
-    )
+    once, twice = (claimed(beside(p, MEDIAN, fact("lightness", 43.0))) for p in ("brighter", "brighter, bright"))
     assert once["median", True] == twice["median", True]
 
 
@@ -143,9 +138,7 @@ def test_without_what_the_picture_has_words_are_as_they_are_alone():
 def test_words_that_compare_are_told_in_any_language(prompt):
     facts = [fact(measure, 30.0) for measure in ("warmth", "contrast", "lightness")]
     goals = beside(prompt, *facts)
-    changes = [
-        c.change for w in goals_with_picture(goals, VOCABULARY).wishes if not w.of_picture for c in w.claims
-    ]
+    changes = [c.change for w in goals_with_picture(goals, VOCABULARY).wishes if not w.of_picture for c in w.claims]
     assert changes
     assert set(changes) == {None}
 
@@ -161,11 +154,7 @@ def test_a_dark_picture_may_drown_and_one_of_the_same_scene_says_it_all():
     def every(*texts):
         return {(c.part, c.measure) for c in claims_of(beside("", *texts), VOCABULARY) if not c.word}
 
-    light, dark, same = (
-        every(MEDIAN),
-        every("picture median 8..12"),
-        every("picture mean in 0,0,1,1 1,2,3..4,5,6"),
-    )
+    light, dark, same = (every(MEDIAN), every("picture median 8..12"), every("picture mean in 0,0,1,1 1,2,3..4,5,6"))
     assert every() - light == {("picture", "drowned")}
     assert light - dark == {("subject", "drowned")}
     assert not {measure for _, measure in same} & {"burnt", "drowned", "separation"}
@@ -207,9 +196,7 @@ def test_ranges_come_from_the_parameters_of_a_written_picture():
     raw = parsed_of([MIDTONES], ["film/gain 0.7..1.3 !2", "lights/color 0.08..1 !1"])
     plan = plan_of(written.from_json(raw).within(ROOM))
     moving = {key for key, entry in plan.items() if entry.priority is not None}
-    assert moving == {
-        key for key in plan if key == "film/gain" or (key[:6] == "light/" and key[-6:] == "/color")
-    }
+    assert moving == {key for key in plan if key == "film/gain" or (key[:6] == "light/" and key[-6:] == "/color")}
     assert plan["film/gain"].reason == "free to come to look like a.jpg"
     red, _, blue = plan["light/Key/color"].lower
     assert red > blue  # the hue of the cast
@@ -219,9 +206,7 @@ def test_what_is_said_of_a_material_that_is_missing_is_left_out():
     goals = beside("", MEDIAN).with_picture(picture(MEDIAN))
     clay = replace(
         picture("thing mean 1,2,3..4,5,6")[0],
-        attribute=Attribute(
-            "a.jpg: Clay", "a.jpg", PICTURE, "whole", "whole", owners=("Clay",), thing="Clay"
-        ),
+        attribute=Attribute("a.jpg: Clay", "a.jpg", PICTURE, "whole", "whole", owners=("Clay",), thing="Clay"),
     )
     raw = written.as_json(goals.with_picture([*picture(MEDIAN), clay]))
     here, elsewhere = (written.from_json(raw).within(scene) for scene in (ROOM, SceneDescription()))
@@ -253,7 +238,5 @@ def test_bad_numbers_and_boxes_are_refused_with_their_place(text, words):
 
 
 def test_effects_that_a_picture_cannot_have_are_refused():
-    with pytest.raises(
-        VibeError, match=r"goals.words\[0\].wishes\[0\].parameters: a reference image cannot have"
-    ):
+    with pytest.raises(VibeError, match=r"goals.words\[0\].wishes\[0\].parameters: a reference image cannot have"):
         written.from_json(parsed_of([], ["world/color color #ff0000 !1"]))

@@ -34,9 +34,7 @@ def test_a_parameter_without_a_quantity_is_named():
 def test_a_measure_has_as_many_numbers_in_a_claim_as_it_gives():
     """Those in two directions of color two, colors three, and others one; what a color directs has one."""
     for name, measure in MEASURES.items():
-        count = len(
-            measure.take(GRAY, EVERYWHERE, *((torch.tensor([1.0, 0.0]),) if measure.directed else ()))
-        )
+        count = len(measure.take(GRAY, EVERYWHERE, *((torch.tensor([1.0, 0.0]),) if measure.directed else ())))
         ends = ",".join(["1"] * (1 if name == "tint" else count))
         color = " #ff0000" if name in ("tint", "accent") else ""
         text = f"picture {name}{color} {ends}..{ends}"

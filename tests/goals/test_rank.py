@@ -27,9 +27,7 @@ def wish(slot: str = "grade", quantity: str = "contrast", effect: Effect = STRON
     """A wish that is seen unless its effect is a default."""
     wide = {name: more.pop(name) for name in ("vague", "breadth") if name in more}
     claims = () if effect is DEFAULT else SEEN
-    return Wish(
-        Attribute("x", "x", slot, "subject", **more), quantity, effects=(effect,), claims=claims, **wide
-    )
+    return Wish(Attribute("x", "x", slot, "subject", **more), quantity, effects=(effect,), claims=claims, **wide)
 
 
 @pytest.mark.parametrize(
@@ -93,20 +91,14 @@ def by_contradiction(goals: Goals) -> list[Lost]:
 def test_what_is_said_wins_over_what_a_mood_stands_for(said, mood, quantity):
     for prompt in both_ways(said, mood):
         goals = read(prompt)
-        winners = {
-            e.winner.attribute.entry for e in goals.lost if (e.wish.word, e.wish.quantity) == (mood, quantity)
-        }
+        winners = {e.winner.attribute.entry for e in goals.lost if (e.wish.word, e.wish.quantity) == (mood, quantity)}
         assert winners, prompt
         assert not [e for e in goals.lost if e.winner.implied and not e.wish.implied], prompt
 
 
 @pytest.mark.parametrize(
     ("said", "usual", "quantity"),
-    [
-        ("matte", "chrome", "finish"),
-        ("golden hour", "rainy", "light_color"),
-        ("cool light", "desert", "light_color"),
-    ],
+    [("matte", "chrome", "finish"), ("golden hour", "rainy", "light_color"), ("cool light", "desert", "light_color")],
 )
 def test_what_is_said_wins_over_what_is_usual(said, usual, quantity):
     for prompt in both_ways(said, usual):
@@ -142,9 +134,7 @@ def test_a_named_color_wins_over_the_color_of_a_material(color, material):
     """The material keeps the rest: its finish and its substance."""
     for prompt in (f"a {color} {material} vase", f"the vase is {material}, a {color} vase"):
         goals = read(prompt)
-        painting = sorted(
-            (wish for wish in goals.wishes if wish.quantity == "color"), key=lambda wish: wish.rank
-        )
+        painting = sorted((wish for wish in goals.wishes if wish.quantity == "color"), key=lambda wish: wish.rank)
         assert painting[0].attribute.entry == color, prompt
         entries = plan_of(goals)
         assert f"'{color}'" in entries["material/Clay/base_color"].reason, prompt

@@ -57,11 +57,7 @@ def changed(path: str, value: Any) -> dict[str, Any]:
         ("words.0.word", MISSING, ["goals.words[0] has no 'word'", "a text in quotes"]),
         ("words.0.slot", MISSING, ["goals.words[0] has no 'slot'"]),
         ("words.0.wishes.0.quantity", MISSING, ["goals.words[0].wishes[0] has no 'quantity'"]),
-        (
-            "words.1.wishes.0",
-            {"quantity": "contrast"},
-            ["wishes[0] wishes for nothing", "class, parameters or image"],
-        ),
+        ("words.1.wishes.0", {"quantity": "contrast"}, ["wishes[0] wishes for nothing", "class, parameters or image"]),
         # wrong type
         ("version", "1", ["goals.version", "finite number"]),
         ("version", True, ["goals.version"]),
@@ -111,11 +107,7 @@ def changed(path: str, value: Any) -> dict[str, Any]:
         ("words.0.wishes.0.parameters", ["film/contrast 1,1..2,2"], ["wishes[0].parameters", "1 numbers"]),
         ("words.0.wishes.0.parameters", ["film/contrast camera 1..2"], ["wishes[0].parameters", "no mode"]),
         ("words.0.wishes.0.parameters", ["film/contrast color #ff0000"], ["wishes[0].parameters", "no mode"]),
-        (
-            "words.0.wishes.0.parameters",
-            ["material/base_color shade 0.1..0.2"],
-            ["wishes[0].parameters", "2 numbers"],
-        ),
+        ("words.0.wishes.0.parameters", ["material/base_color shade 0.1..0.2"], ["wishes[0].parameters", "2 numbers"]),
         ("words.0.wishes.0.parameters", ["light/power times -1..1"], ["wishes[0].parameters", "negative"]),
         ("words.0.wishes.0.parameters", ["light/power 0..1"], ["wishes[0].parameters", "above 0"]),
         # paint by what may not paint
@@ -239,9 +231,7 @@ def paths(value: Any, start: tuple = ()) -> Iterator[tuple]:
     """The way to every value in a JSON value, its own left out."""
     if start:
         yield start
-    for key, each in (
-        value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    ):
+    for key, each in value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ():
         yield from paths(each, (*start, key))
 
 

@@ -49,13 +49,7 @@ def test_the_drawn_prompts_are_worth_it():
     lost = [each for _, goals in every() for each in goals.lost]
     assert len(lost) > 200
     assert sum(each.is_news for each in lost) > 20
-    assert {each.wish.quantity for each in lost} >= {
-        "brightness",
-        "light_color",
-        "color",
-        "saturation",
-        "haze",
-    }
+    assert {each.wish.quantity for each in lost} >= {"brightness", "light_color", "color", "saturation", "haze"}
 
 
 def test_resolving_is_deterministic():
@@ -142,9 +136,9 @@ def test_what_a_word_had_won_before_it_was_given_up_goes_back(prompt):
     assert all(id(each.winner) in sought for each in goals.lost)
     for each in goals.lost:
         if each.wish.is_seen:
-            assert any(
-                contradicts(*sorted((wish, each.wish), key=lambda w: w.rank)) for wish in goals.wishes
-            ), each.wish.word
+            assert any(contradicts(*sorted((wish, each.wish), key=lambda w: w.rank)) for wish in goals.wishes), (
+                each.wish.word
+            )
 
 
 def test_a_color_may_be_changed_by_one_number_and_by_three():
@@ -202,12 +196,8 @@ def test_a_word_that_is_alone_has_its_claims_and_its_ranges():
             for text in wish.claims:
                 found = [c for c in claims if c.word == wish.word and c.measure == text.measure]
                 assert found or _narrowed(text.measure, wish, goals), (name, str(text))
-            strong = {
-                e.family for e in wish.effects if not e.weak and e.owner not in ("rim", "fill", "others")
-            }
-            reached = {
-                key_family(key) for key, e in entries.items() if f"'{wish.word}'" in e.reason or not e.reason
-            }
+            strong = {e.family for e in wish.effects if not e.weak and e.owner not in ("rim", "fill", "others")}
+            reached = {key_family(key) for key, e in entries.items() if f"'{wish.word}'" in e.reason or not e.reason}
             here = {family for family in strong if any(key_family(key) == family for key in entries)}
             assert not here or here & reached, (name, wish.quantity, here)
             tested += bool(wish.claims and here)
@@ -291,9 +281,7 @@ def of_haze(goals: Goals) -> list[tuple[str, str]]:
 @pytest.mark.parametrize("order", ["no fog, {}", "{}, no fog"])
 def test_no_mood_brings_the_fog_back_that_the_prompt_rules_out(order):
     """Of all moods and styles that mean haze, though the measures of "none" and "light" overlap."""
-    foggy = [
-        name for name, goals in alone().items() if any(w.implied for w in goals.wishes) and of_haze(goals)
-    ]
+    foggy = [name for name, goals in alone().items() if any(w.implied for w in goals.wishes) and of_haze(goals)]
     assert "ghostly" in foggy
     for name in foggy:
         goals = goals_of(parse(order.format(name), ROOM, VOCABULARY))

@@ -56,9 +56,7 @@ def test_what_is_written_is_read_again(seed):
         again = through_json(goals)
         assert list(map(said, again.parsed.attributes)) == list(map(said, goals.parsed.attributes)), prompt
         assert list(map(content, again.wishes)) == list(map(content, goals.wishes)), prompt
-        pairs = [
-            sorted((e.wish.word, e.wish.quantity, e.winner.word) for e in g.lost) for g in (goals, again)
-        ]
+        pairs = [sorted((e.wish.word, e.wish.quantity, e.winner.word) for e in g.lost) for g in (goals, again)]
         assert pairs[0] == pairs[1], prompt
         assert again.classes == goals.classes, prompt
         assert sorted(again.notes()) == sorted(goals.notes()), prompt
@@ -86,9 +84,7 @@ def test_the_rig_is_the_same(prompt):
     assert rigs[0].rig == rigs[1].rig
 
 
-@pytest.mark.parametrize(
-    "prompt", ["dunkle Eiche, warmes Licht", "la taza es roja, luz fría", "表面は光沢のある赤"]
-)
+@pytest.mark.parametrize("prompt", ["dunkle Eiche, warmes Licht", "la taza es roja, luz fría", "表面は光沢のある赤"])
 def test_a_prompt_of_another_language_is_the_same(prompt):
     goals = goals_of(exact(read(prompt).parsed))
     again = through_json(goals)
@@ -142,9 +138,7 @@ def test_without_a_winner_the_loser_wins():
 def test_the_least_that_can_be_written():
     """A file by hand: no version, no prompt, no look of the vocabulary."""
     wish = {"quantity": "contrast", "class": "high", "image": ["picture contrast 68.. or +10"]}
-    goals = written.from_json({"words": [{"word": "my look", "slot": "grade", "wishes": [wish]}]}).within(
-        ROOM
-    )
+    goals = written.from_json({"words": [{"word": "my look", "slot": "grade", "wishes": [wish]}]}).within(ROOM)
     assert goals.classes == {"contrast": "high"}
     assert [c.word for c in claims_of(goals, VOCABULARY) if c.word] == ["my look"]
     assert goals.parsed.prompt == ""
@@ -179,9 +173,7 @@ class TestAnotherScene:
         assert copper.owners == ()
         assert copper.region == "subject"
         (note,) = goals.parsed.notes
-        assert note.startswith(
-            "'copper' described Clay, which this scene lacks: it describes the subject instead"
-        )
+        assert note.startswith("'copper' described Clay, which this scene lacks: it describes the subject instead")
 
     def test_what_is_there_stays_bound_and_has_no_note(self):
         both = replace(ROOM, materials={"Clay": "subject", "Wood": "surroundings"})
@@ -204,9 +196,7 @@ class TestAnotherScene:
         assert {id(w.attribute) for w in goals.wishes} <= set(map(id, goals.parsed.attributes))
 
     def test_the_notes_reach_the_plan(self):
-        goals = through_json(
-            read("the wall is matte, glossy vase"), replace(ROOM, materials={"Clay": "subject"})
-        )
+        goals = through_json(read("the wall is matte, glossy vase"), replace(ROOM, materials={"Clay": "subject"}))
         assert any("'matte' described Plaster" in note for note in plan_of(goals).notes)
 
 

@@ -34,8 +34,7 @@ def test_lights_that_are_described_one_by_one_are_the_same_again(prompt):
 
 
 @pytest.mark.parametrize(
-    ("field", "value"),
-    [("kind", "lamp"), ("role", "main"), ("described", ["one"]), ("described", [True])],
+    ("field", "value"), [("kind", "lamp"), ("role", "main"), ("described", ["one"]), ("described", [True])]
 )
 def test_a_wrong_target_is_refused(field, value):
     written = as_json(goals_of(Understood("a red rim light", SceneDescription()).parsed))

@@ -44,9 +44,7 @@ def test_embedded_model_loads_through_open_clip_like_any_other(encoder: Encoder)
 
 
 @pytest.mark.parametrize("size", [(128, 128), (512, 512), (90, 200)])
-def test_features_have_unit_length_and_gradients_reach_the_picture(
-    encoder: Encoder, size: tuple[int, int]
-) -> None:
+def test_features_have_unit_length_and_gradients_reach_the_picture(encoder: Encoder, size: tuple[int, int]) -> None:
     picture = torch.rand(2, 3, *size, generator=torch.Generator().manual_seed(0)).requires_grad_()
     features = encoder.encode_images(picture)
     assert torch.allclose(features.norm(dim=1), torch.ones(2), atol=1e-5)
@@ -78,9 +76,7 @@ def test_preprocessing_is_the_models_own(tmp_path: Path, mode: str) -> None:
     config["preprocess_cfg"]["resize_mode"] = mode
     (folder / "open_clip_config.json").write_text(json.dumps(config))
     picture = smooth_picture(200, 320)
-    own = open_clip.create_model_and_transforms(f"local-dir:{folder}")[2](
-        Image.fromarray(np.uint8(255 * picture))
-    )
+    own = open_clip.create_model_and_transforms(f"local-dir:{folder}")[2](Image.fromarray(np.uint8(255 * picture)))
     ours = load_encoder(str(folder)).preprocess(torch.from_numpy(picture).permute(2, 0, 1)[None])[0]
     inside = slice(30, 98)  # away from padding, where the fill is a matter of taste
     assert (ours - own)[:, inside, inside].abs().mean() < 0.02
@@ -94,13 +90,7 @@ def test_looks_of_unseen_shapes_are_told_apart(encoder: Encoder) -> None:
     scores = evaluate.judge(encoder, evaluate.shaded(fresh, 2))
     assert scores["attribute_flip"] > 0.62
     assert scores["swap"] > 0.72
-    least = {
-        "subject_color": 0.7,
-        "surroundings_color": 0.85,
-        "brightness": 0.85,
-        "saturation": 0.8,
-        "vignette": 0.85,
-    }
+    least = {"subject_color": 0.7, "surroundings_color": 0.85, "brightness": 0.85, "saturation": 0.8, "vignette": 0.85}
     assert all(scores["heads"][name] > share for name, share in least.items()), scores["heads"]
 
 

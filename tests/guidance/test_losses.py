@@ -36,9 +36,7 @@ def test_the_direction_is_that_of_the_words_not_just_away_from_the_start():
     start, plain, text = axes[0], axes[1:2], F.normalize(axes[1:2] + axes[2:3], dim=1)
     words = F.normalize(start + F.normalize(text - plain, dim=1)[0], dim=0)
     elsewhere = F.normalize(start + axes[3], dim=0)
-    still, right, wrong = (
-        L.direction_loss(f[None], start, text, plain).item() for f in (start, words, elsewhere)
-    )
+    still, right, wrong = (L.direction_loss(f[None], start, text, plain).item() for f in (start, words, elsewhere))
     assert still == pytest.approx(1.0, abs=1e-3)
     assert right < 0.5
     assert wrong > right + 0.4
@@ -85,17 +83,13 @@ def test_subject_views_do_not_show_the_surroundings():
         views = regions.subject_views(picture([0.1, 0.2, 0.9], surroundings, mask), mask, 4, generator(), 32)
         assert views.shape == (4, 3, 32, 32)
         torch.testing.assert_close(views[1, :, 16, 16], torch.tensor([0.1, 0.2, 0.9]), atol=0.02, rtol=0)
-        plain = regions.subject_views(
-            picture([0.1, 0.2, 0.9], [0.5, 0.5, 0.5], mask), mask, 4, generator(), 32
-        )
+        plain = regions.subject_views(picture([0.1, 0.2, 0.9], [0.5, 0.5, 0.5], mask), mask, 4, generator(), 32)
         torch.testing.assert_close(views[1], plain[1], atol=0.05, rtol=0)  # on a random background
 
 
 def test_surroundings_views_do_not_show_the_subject():
     mask = disk(radius=0.4)
-    views = regions.surroundings_views(
-        picture([1.0, 0.0, 0.0], [0.1, 0.4, 0.6], mask), mask, 3, generator(), 32
-    )
+    views = regions.surroundings_views(picture([1.0, 0.0, 0.0], [0.1, 0.4, 0.6], mask), mask, 3, generator(), 32)
     torch.testing.assert_close(
         views, torch.tensor([0.1, 0.4, 0.6])[None, :, None, None].expand_as(views), atol=0.02, rtol=0
     )

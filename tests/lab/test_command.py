@@ -38,6 +38,4 @@ def test_what_makes_what_is_shipped_has_its_own_help(name, capsys):
 
 def test_starting_loads_nothing_heavy():
     code = "import lab.__main__ as m; m.parser(); import sys; print('torch' in sys.modules)"
-    assert (
-        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "False"
-    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "False"

@@ -48,11 +48,7 @@ def test_every_round_starts_from_a_picture_and_so_does_the_prediction(scene, mon
     outcome = run(scene, source, "red ball, bright background")
     assert source.asked[0] == {}
     assert {r["round"] for r in outcome.shots[0].records} == {1, 2}
-    last = {
-        k: list(v)
-        for k, v in outcome.vector.values(outcome.u).items()
-        if v != outcome.vector.instances[k].value
-    }
+    last = {k: list(v) for k, v in outcome.vector.values(outcome.u).items() if v != outcome.vector.instances[k].value}
     assert last in source.asked
     assert len(source.asked) == len(outcome.shots[0].records) <= 6
     assert outcome.shots[0].anchor.correction is not None

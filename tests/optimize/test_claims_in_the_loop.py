@@ -115,16 +115,13 @@ def test_what_holds_values_and_hues_is_foreseen_exactly(search):
     (slope,) = torch.autograd.grad(objective.held(where), where)
     apart = torch.rand(len(home), generator=dice, dtype=torch.float64) * (now.upper > now.lower)
     foreseen = (
-        slope @ (span * apart)
-        + 0.5 * apart @ objective.stiffness(torch.ones_like(apart, dtype=torch.bool)) @ apart
+        slope @ (span * apart) + 0.5 * apart @ objective.stiffness(torch.ones_like(apart, dtype=torch.bool)) @ apart
     )
     torch.testing.assert_close(objective.held(home + span * apart) - objective.held(home), foreseen)
     assert float(foreseen) > 0.1
 
 
-def test_a_round_that_made_it_worse_is_taken_back_first_with_narrower_ranges_then_half_as_far(
-    search, monkeypatch
-):
+def test_a_round_that_made_it_worse_is_taken_back_first_with_narrower_ranges_then_half_as_far(search, monkeypatch):
     begun = search(PROMPT, rounds=4, steps=2)
     began, ends = [], []
     confine = Search.confine
@@ -152,9 +149,7 @@ def test_a_round_that_made_it_worse_is_taken_back_first_with_narrower_ranges_the
 def test_a_claim_out_of_reach_of_its_words_ranges_is_earned_in_wider_ones(search, monkeypatch):
     def demanding(*told):
         """Air that is denser than the words' ranges make it."""
-        return tuple(
-            replace(c, lower=(_DENSE,), change=None) if c.measure == "haze" else c for c in claims_of(*told)
-        )
+        return tuple(replace(c, lower=(_DENSE,), change=None) if c.measure == "haze" else c for c in claims_of(*told))
 
     monkeypatch.setattr(stage, "claims_of", demanding)
     begun = search("thick fog", steps=12, rounds=4, size=64)

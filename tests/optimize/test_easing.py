@@ -16,12 +16,7 @@ from proxy_renderer.schema.messages import Options
 
 def begun(scene, encoder, prompt, **options):
     search = search_for(
-        [ShotInput(scene)],
-        prompt,
-        Options(**{"rounds": 3, "steps": 6, "size": 64, **options}),
-        encoder,
-        Silent(),
-        None,
+        [ShotInput(scene)], prompt, Options(**{"rounds": 3, "steps": 6, "size": 64, **options}), encoder, Silent(), None
     )
     return search, search.vector.encode({})
 

@@ -98,8 +98,6 @@ def test_a_look_that_was_hidden_in_this_very_scene_is_found(scene, encoder, tmp_
     found = pipeline.run(search_for([ShotInput(scene)], "", chosen, encoder, Silent()))
     with torch.no_grad():
         after = found.shots[0].draw(found.u).display
-    start_error, error = (
-        (lab_from_srgb(p) - lab_from_srgb(goal)).norm(dim=-1).mean() for p in (before, after)
-    )
+    start_error, error = ((lab_from_srgb(p) - lab_from_srgb(goal)).norm(dim=-1).mean() for p in (before, after))
     assert error < 0.25 * start_error
     assert error < 1.5

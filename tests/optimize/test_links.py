@@ -43,6 +43,4 @@ def test_a_light_that_is_not_there_is_said(scene):
 
 
 def test_the_role_of_a_light_is_its_name(scene):
-    assert list(staged(scene, "the fill light not on the ball").scenes[0].links) == [
-        "light/Sun (not on Ball)/linked"
-    ]
+    assert list(staged(scene, "the fill light not on the ball").scenes[0].links) == ["light/Sun (not on Ball)/linked"]

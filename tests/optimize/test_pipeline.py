@@ -46,9 +46,7 @@ def test_the_loss_falls_and_the_words_show_by_what_is_seen(scene, encoder, promp
     """Ranges, projection and priors alone do not reach it: the same run with pictures that have no gradient is worse."""
     render = Proxy.render
     outcome = vibe(scene, encoder, prompt, rounds=1)
-    monkeypatch.setattr(
-        Proxy, "render", lambda self, values: render(self, {k: constant(v) for k, v in values.items()})
-    )
+    monkeypatch.setattr(Proxy, "render", lambda self, values: render(self, {k: constant(v) for k, v in values.items()}))
     monkeypatch.setattr(objectives, "_PICTURES", 0)  # slopes come from backward passes through these
     (missed, loss), (blind_missed, blind_loss) = worth(outcome), worth(vibe(scene, encoder, prompt, rounds=1))
     assert missed < 0.6 * blind_missed
@@ -93,9 +91,7 @@ def test_locks_hold_exactly(scene, encoder):
 
 
 def test_only_the_groups_that_were_named_change(scene, encoder):
-    changed = changed_values(
-        vibe(scene, encoder, groups=("film",), prompt="dark, high contrast, vignette", steps=3)
-    )
+    changed = changed_values(vibe(scene, encoder, groups=("film",), prompt="dark, high contrast, vignette", steps=3))
     assert changed
     assert {key.split("/")[0] for key in changed} == {"film"}
 

@@ -11,12 +11,7 @@ from proxy_renderer.schema import FAMILIES, Instance, VibeError
 
 
 def instances():
-    rows = [
-        ("material/roughness", "Body"),
-        ("light/power", "Key"),
-        ("camera/azimuth", ""),
-        ("film/contrast", ""),
-    ]
+    rows = [("material/roughness", "Body"), ("light/power", "Key"), ("camera/azimuth", ""), ("film/contrast", "")]
     made = [Instance(FAMILIES[f], owner, (FAMILIES[f].default,)) for f, owner in rows]
     return {i.key: i for i in made}
 

@@ -20,9 +20,7 @@ def doubles(values):
 def chosen(priorities, slopes, misses, k=8, gains=None, high=1.0):
     """Of parameters a, b, c, …, one for each priority, by what they do to claims that are missed by so much from below."""
     names = "abcdefgh"[: len(priorities)]
-    plan = Plan(
-        {n: PlanEntry((0.0,), (1.0,), p, "because", 0.0) for n, p in zip(names, priorities, strict=True)}
-    )
+    plan = Plan({n: PlanEntry((0.0,), (1.0,), p, "because", 0.0) for n, p in zip(names, priorities, strict=True)})
     values = doubles([-m for m in misses])
     here = Assessment(
         values,

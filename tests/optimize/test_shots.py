@@ -82,9 +82,7 @@ def test_a_grade_for_each(views):
     for shot in outcome.shots:
         assert "film/exposure" in shot.vector.instances
     first, second = changed(outcome)
-    assert {k: v for k, v in first.items() if k[:4] != "film"} == {
-        k: v for k, v in second.items() if k[:4] != "film"
-    }
+    assert {k: v for k, v in first.items() if k[:4] != "film"} == {k: v for k, v in second.items() if k[:4] != "film"}
     assert {k for k in second if k[:4] == "film"}
     assert all(k in outcome.shots[1].scene.instances for k in second)
 

@@ -32,15 +32,11 @@ def test_starts_are_drawn_from_the_ranges_of_what_is_relevant(vector):
     first, *others = starts.draw_starts(vector, plan, u, (lower, upper), 9, seed=3)
     assert torch.equal(first, u)
     drawn = torch.stack(others)
-    assert torch.equal(
-        torch.stack([o[~vector.mark([key])] for o in others]), u[~vector.mark([key])].expand(8, -1)
-    )
+    assert torch.equal(torch.stack([o[~vector.mark([key])] for o in others]), u[~vector.mark([key])].expand(8, -1))
     assert drawn[:, part].min() >= 0.2
     assert drawn[:, part].max() <= 0.6
     assert drawn[:, part].std(0).min() > 0.03
-    assert torch.allclose(
-        drawn[:, part], drawn[:, part][:, :1].expand(-1, 3)
-    )  # one place in its range: one hue
+    assert torch.allclose(drawn[:, part], drawn[:, part][:, :1].expand(-1, 3))  # one place in its range: one hue
     again = starts.draw_starts(vector, plan, u, (lower, upper), 9, seed=3)
     assert all(torch.equal(a, b) for a, b in zip([first, *others], again, strict=True))
 

@@ -67,11 +67,7 @@ def test_projection_stays_in_plan_hard_bounds_and_locks():
     locked = instance("material/metallic", 0.25, "Body", locked="keyframed")
     color = instance("material/base_color", (0.5, 0.5, 0.5), "Body")
     vector = vector_of(free, locked, color)
-    ranges = {
-        free.key: ((0.1,), (0.3,)),
-        locked.key: ((0.8,), (1.0,)),
-        color.key: ((0.0, 0.2, -5.0), (0.1, 0.6, 9.0)),
-    }
+    ranges = {free.key: ((0.1,), (0.3,)), locked.key: ((0.8,), (1.0,)), color.key: ((0.0, 0.2, -5.0), (0.1, 0.6, 9.0))}
     lower, upper = vector.bounds(ranges)
     values = vector.values(project(vector.encode({}), lower, upper))
     assert values[free.key] == pytest.approx((0.3,))
@@ -110,9 +106,7 @@ def test_a_range_never_turns_out_of_the_hard_bounds():
 
 
 def test_wider_ranges_stay_within_the_hard_bounds_and_leave_others_alone():
-    lower, upper = (
-        torch.tensor(x, dtype=torch.float64) for x in ([0.1, 0.4, 0.4, 0.5], [0.5, 0.6, 0.6, 0.5])
-    )
+    lower, upper = (torch.tensor(x, dtype=torch.float64) for x in ([0.1, 0.4, 0.4, 0.5], [0.5, 0.6, 0.6, 0.5]))
     low, high = opened(lower, upper, torch.tensor([0.5, 0.5, 0.0, 0.5]), lower)
     torch.testing.assert_close(low, torch.tensor([0.0, 0.3, 0.4, 0.425], dtype=torch.float64))
     torch.testing.assert_close(

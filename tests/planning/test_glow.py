@@ -77,9 +77,7 @@ def test_a_glow_stays_about_as_it_is_where_a_further_sentence_only_compares():
 
 
 def test_only_materials_that_some_face_has_are_lights():
-    emitting = [
-        Instance(FAMILIES["material/emission"], name, (5.0,), 1.0, "subject") for name in ("Lamp", "Unused")
-    ]
+    emitting = [Instance(FAMILIES["material/emission"], name, (5.0,), 1.0, "subject") for name in ("Lamp", "Unused")]
     scene = SimpleNamespace(
         instances={row.key: row for row in emitting},
         materials=[SimpleNamespace(name="Lamp"), SimpleNamespace(name="Wall")],

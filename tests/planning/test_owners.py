@@ -28,31 +28,16 @@ def instances(brighter: str) -> dict[str, Instance]:
 @pytest.mark.parametrize("brighter", TYPES)
 def test_the_brightest_light_is_the_key(brighter):
     context = SceneDescription(lights={kind.title(): LightDescription(kind) for kind in TYPES})
-    assert Owners(parse("noir", SceneDescription()), instances(brighter), context).lights.key == [
-        brighter.title()
-    ]
+    assert Owners(parse("noir", SceneDescription()), instances(brighter), context).lights.key == [brighter.title()]
 
 
 def test_a_lights_own_exposure_counts():
-    context = SceneDescription(
-        lights={k.title(): LightDescription(k, stops=float(k == "SPOT")) for k in TYPES}
-    )
+    context = SceneDescription(lights={k.title(): LightDescription(k, stops=float(k == "SPOT")) for k in TYPES})
     assert Owners(parse("noir", SceneDescription()), instances("SUN"), context).lights.key == ["Spot"]
 
 
 def test_of_many_small_things_all_that_are_about_as_large_are_meant():
-    titles = (
-        "Dune",
-        "Emma",
-        "Ulysses",
-        "Walden",
-        "Ivanhoe",
-        "Candide",
-        "Persuasion",
-        "Solaris",
-        "Momo",
-        "Faust",
-    )
+    titles = ("Dune", "Emma", "Ulysses", "Walden", "Ivanhoe", "Candide", "Persuasion", "Solaris", "Momo", "Faust")
     shares = dict.fromkeys(titles, 0.08) | {"Bookend": 0.1, "Screws": 0.002}
     family = FAMILIES["material/base_color"]
     books = {i.key: i for i in (Instance(family, name, (0.5,) * 3, 1.0, "subject") for name in shares)}

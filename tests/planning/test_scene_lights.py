@@ -33,8 +33,7 @@ def is_cool(plan, light):
 @pytest.mark.parametrize("names", [("Desk Lamp", "Window"), ("Window", "Desk Lamp")])
 def test_lights_are_meant_by_their_names(names):
     plan = plan_of(
-        "warm lamp, cold blue window light",
-        [(names[0], "AREA", "key", 0.0), (names[1], "AREA", "fill", 50.0)],
+        "warm lamp, cold blue window light", [(names[0], "AREA", "key", 0.0), (names[1], "AREA", "fill", 50.0)]
     )
     assert is_warm(plan, "Desk Lamp")
     assert not is_cool(plan, "Desk Lamp")
@@ -91,12 +90,7 @@ def test_a_light_that_is_said_to_be_blue_is_not_warm_by_its_time_of_day(prompt, 
 
 @pytest.mark.parametrize(
     ("prompt", "takes"),
-    [
-        ("lit by a 12000 K lamp", True),
-        ("cool light", False),
-        ("3200 K key light", False),
-        ("matte teal", False),
-    ],
+    [("lit by a 12000 K lamp", True), ("cool light", False), ("3200 K key light", False), ("matte teal", False)],
 )
 def test_the_world_may_take_the_color_of_a_temperature_that_is_told_for_all_lights(prompt, takes):
     """A world that is warm drowns light of 12,000 K; where words only say cool, it is as the artist has it."""

@@ -93,13 +93,9 @@ def test_what_is_transparent_does_not_count(tmp_path, scene):
 
 
 def test_what_is_transparent_in_linear_light_does_not_count(tmp_path, scene):
-    ramp = np.linspace(0.02, 3.0, 60, dtype=np.float32)[None, :, None] * np.array(
-        (1.0, 0.8, 0.5, 0.0), np.float32
-    )
+    ramp = np.linspace(0.02, 3.0, 60, dtype=np.float32)[None, :, None] * np.array((1.0, 0.8, 0.5, 0.0), np.float32)
     said = []
-    for number, around in enumerate(
-        [(8.0, 0.0, 8.0, 0.0), (0.0, 0.0, 0.0, 0.0)]
-    ):  # light of a flame has no alpha
+    for number, around in enumerate([(8.0, 0.0, 8.0, 0.0), (0.0, 0.0, 0.0, 0.0)]):  # light of a flame has no alpha
         pixels = np.full((90, 120, 4), around, np.float32)
         pixels[20:70, 30:90] = ramp + np.array((0, 0, 0, 1), np.float32)
         with OpenEXR.File({"type": OpenEXR.scanlineimage}, {"RGBA": pixels}) as file:
@@ -155,11 +151,7 @@ def test_a_picture_beside_words_has_ranges_of_its_own_and_words_keep_theirs(warm
 
 def test_what_the_prompt_says_stays_is_left_alone_beside_a_picture(warm, scene):
     words = OfflineAdvisor(goals_of(parse("keep the key light, strong vignette", described(scene))))
-    plan = (
-        LikeAdvisor(reference(warm, scene), words, no_view)
-        .advise(None, scene.instances, described(scene))
-        .plan
-    )
+    plan = LikeAdvisor(reference(warm, scene), words, no_view).advise(None, scene.instances, described(scene)).plan
     moving = {key for key, entry in plan.items() if entry.priority is not None}
     assert "light/Sun/strength" in moving
     assert not {key for key in moving if key.startswith("light/Key/")}

@@ -91,9 +91,7 @@ def test_other_primaries_become_rec709(tmp_path):
 
 
 def test_damaged_exrs(tmp_path):
-    whole = exr(
-        tmp_path / "a.exr", {"RGB": np.random.default_rng(0).random((64, 64, 3), np.float32)}
-    ).read_bytes()
+    whole = exr(tmp_path / "a.exr", {"RGB": np.random.default_rng(0).random((64, 64, 3), np.float32)}).read_bytes()
     for length in (8, 200, len(whole) // 2):
         (tmp_path / "cut.exr").write_bytes(whole[:length])
         refused(tmp_path / "cut.exr", "cut.exr")
@@ -128,20 +126,12 @@ def test_radiance_plain_and_in_runs(tmp_path):
 
 @pytest.mark.parametrize(
     "body",
-    [
-        b"",
-        rgbe(COLOR) * 15,
-        b"\x02\x02\x00\x08\x85",
-        b"\x02\x02\x00\x08" + b"\xff\x01" * 9,
-        b"\x02\x02\x00\x08\x00",
-    ],
+    [b"", rgbe(COLOR) * 15, b"\x02\x02\x00\x08\x85", b"\x02\x02\x00\x08" + b"\xff\x01" * 9, b"\x02\x02\x00\x08\x00"],
 )
 def test_damaged_radiance(tmp_path, body):
     refused(hdr(tmp_path / "a.hdr", body), "a.hdr")
 
 
 def test_odd_radiance(tmp_path):
-    refused(
-        hdr(tmp_path / "xyz.hdr", rgbe(COLOR) * 16, head=b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n"), "EXR"
-    )
+    refused(hdr(tmp_path / "xyz.hdr", rgbe(COLOR) * 16, head=b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n"), "EXR")
     refused(hdr(tmp_path / "large.hdr", b"", width=10**6, height=10**6), "large.hdr")

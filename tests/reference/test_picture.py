@@ -46,8 +46,7 @@ def png(path, width, height, depth, kind, rows, *chunks):
 
 
 @pytest.mark.parametrize(
-    ("name", "tolerance"),
-    [("a.png", 0), ("a.jpg", 4), ("a.webp", 6), ("a.tif", 0), ("a.bmp", 0), ("a.avif", 6)],
+    ("name", "tolerance"), [("a.png", 0), ("a.jpg", 4), ("a.webp", 6), ("a.tif", 0), ("a.bmp", 0), ("a.avif", 6)]
 )
 def test_ordinary_files(tmp_path, name, tolerance):
     found = read_reference(saved(tmp_path / name))
@@ -74,13 +73,9 @@ def test_gray_files(tmp_path, mode):
 def test_16_bits_are_not_cut_off_at_8(tmp_path):
     gray = saved(tmp_path / "gray.png", "I;16", 32768)
     assert read_reference(gray).display.mean() == pytest.approx(0.5, abs=0.004)
-    assert read_reference(saved(tmp_path / "gray.tif", "I;16", 16384)).display.mean() == pytest.approx(
-        0.25, abs=0.004
-    )
+    assert read_reference(saved(tmp_path / "gray.tif", "I;16", 16384)).display.mean() == pytest.approx(0.25, abs=0.004)
     color = png(tmp_path / "color.png", 2, 1, 16, 2, [struct.pack(">6H", *(40000, 20000, 60000) * 2)])
-    assert np.allclose(
-        read_reference(color).display[0, 0], np.array((40000, 20000, 60000)) / 65535, atol=0.004
-    )
+    assert np.allclose(read_reference(color).display[0, 0], np.array((40000, 20000, 60000)) / 65535, atol=0.004)
 
 
 def test_a_palette_and_its_transparent_color(tmp_path):
@@ -118,9 +113,7 @@ def test_opaque_alpha_counts_for_nothing(tmp_path):
 )
 def test_wide_colors_are_brought_to_srgb(tmp_path, icc, name, red, green):
     inside = (150, 110, 90)
-    found = read_reference(
-        saved(tmp_path / "wide.jpg", color=inside, icc_profile=icc, quality=100, subsampling=0)
-    )
+    found = read_reference(saved(tmp_path / "wide.jpg", color=inside, icc_profile=icc, quality=100, subsampling=0))
     linear = (np.array(inside) / 255) ** 2.2
     matrices = {
         "Display P3": ((1.2249, -0.2247, 0.0), (-0.0420, 1.0419, 0.0), (-0.0197, -0.0786, 1.0979)),

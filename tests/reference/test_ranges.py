@@ -86,9 +86,7 @@ def entries(monkeypatch):
 
     def made(instances, traits=("light", "grade", "palette")):
         effects = effects_of(instances.values(), traits, {"chroma"}, same=False)
-        return picture_ranges.entries_of(
-            [Wish(word, "cast", effects=tuple(effects), claims=claims)], instances
-        )
+        return picture_ranges.entries_of([Wish(word, "cast", effects=tuple(effects), claims=claims)], instances)
 
     return made
 

@@ -116,9 +116,7 @@ def test_black_and_white_things_ask_no_scene_for_more_than_what_looks_so():
 
 
 def test_colors_that_are_more_vivid_than_any_of_the_picture_may_stay_and_not_become_so():
-    shown = MeasuredPicture.of(
-        torch.tensor((0.1, 0.9, 0.1)).expand(24, 24, 3), regions_of(ball()[0]).picture.seen
-    )
+    shown = MeasuredPicture.of(torch.tensor((0.1, 0.9, 0.1)).expand(24, 24, 3), regions_of(ball()[0]).picture.seen)
     claim = bound(one(ball()[0], "vividest"))
     gaudy = claim.value(shown, claim.region(shown.seen))
     assert claim.miss(gaudy, before=torch.zeros(1)) > 3.0

@@ -66,11 +66,7 @@ def test_a_mirror_shows_a_texture() -> None:
     mesh = dataclasses.replace(scene.mesh, uvs=(corners[..., :2] / 18 + 0.5).astype(np.float32))
     scene = dataclasses.replace(scene, materials=(scene.materials[0], floor), mesh=mesh)
     key = "material/Ball 0/"
-    values = {
-        key + "metallic": torch.ones(1),
-        key + "roughness": torch.zeros(1),
-        key + "base_color": torch.ones(3),
-    }
+    values = {key + "metallic": torch.ones(1), key + "roughness": torch.zeros(1), key + "base_color": torch.ones(3)}
     ball = Proxy(scene, SIZE).render(values).linear[26:34]
     left, right = ball[:, 16:21].mean((0, 1)), ball[:, 27:32].mean((0, 1))
     assert left[0] > 1.5 * left[2]
@@ -87,19 +83,13 @@ def test_rays_find_their_way_out_of_thick_and_thin_glass() -> None:
     mesh = dataclasses.replace(
         scene.mesh,
         vertices=np.concatenate([scene.mesh.vertices, inner]).astype(np.float32),
-        faces=np.concatenate([scene.mesh.faces[ball], scene.mesh.faces[ball][:, ::-1] + count]).astype(
-            np.int32
-        ),
+        faces=np.concatenate([scene.mesh.faces[ball], scene.mesh.faces[ball][:, ::-1] + count]).astype(np.int32),
         normals=np.concatenate([scene.mesh.normals[ball], -scene.mesh.normals[ball][:, ::-1]]),
         **{n: np.concatenate([getattr(scene.mesh, n)[ball]] * 2) for n in ("uvs", "material", "object")},
     )
     scene = dataclasses.replace(scene, mesh=mesh)
     key = "material/Ball 0/"
-    white = {
-        key + "base_color": torch.ones(3),
-        key + "transmission": torch.ones(1),
-        key + "roughness": torch.zeros(1),
-    }
+    white = {key + "base_color": torch.ones(3), key + "transmission": torch.ones(1), key + "roughness": torch.zeros(1)}
     for ior in (1.0, 1.5):
         seen = Proxy(scene, SIZE).render({**white, key + "ior": torch.tensor([ior])}).linear
         world = seen[0, 0]

@@ -32,10 +32,7 @@ def test_colors_and_powers_trace_nothing(traced: list[int]) -> None:
     proxy = Proxy(balls(2, 2, 2), (48, 48))
     before = proxy.render({}).linear
     traced.clear()
-    changed = {
-        "light/Lamp 0/power": torch.tensor([500.0]),
-        "material/Floor/base_color": torch.tensor([0.1, 0.2, 0.9]),
-    }
+    changed = {"light/Lamp 0/power": torch.tensor([500.0]), "material/Floor/base_color": torch.tensor([0.1, 0.2, 0.9])}
     after = proxy.render(changed).linear
     assert not traced
     assert not torch.allclose(before, after)
@@ -93,9 +90,7 @@ def test_a_render_depends_on_its_values_only() -> None:
 
 
 @pytest.mark.parametrize("lamp", ["Lamp 0", "Lamp 1", "Lamp 3"])  # an area light, a point, a spot
-def test_a_light_that_changes_its_size_keeps_the_shadows_of_bounced_light(
-    traced: list[int], lamp: str
-) -> None:
+def test_a_light_that_changes_its_size_keeps_the_shadows_of_bounced_light(traced: list[int], lamp: str) -> None:
     scene = balls(2, 4, 2)
     larger = {f"light/{lamp}/size": torch.tensor([1.5])}
     travelled = Proxy(scene, (48, 48))

@@ -109,9 +109,7 @@ class TestRays(OperationTests):
     values = (
         (
             (*FRONT, planar(SHIFTED, (SHIFTED[0] + 32, SHIFTED[1]))),
-            torch.stack(
-                (planar((0, -5, 0), (0, -5, 0)), planar((0, 1, 0), (math.sqrt(0.5), math.sqrt(0.5), 0)))
-            ),
+            torch.stack((planar((0, -5, 0), (0, -5, 0)), planar((0, 1, 0), (math.sqrt(0.5), math.sqrt(0.5), 0)))),
         ),
     )
 

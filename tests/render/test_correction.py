@@ -22,11 +22,7 @@ SIZE = (64, 64)
 SCENE = balls(3, 2, subdivisions=3)
 DIFFERENT = {"material/Ball 0/base_color": (0.3, 0.7, 0.2), "material/Floor/roughness": (0.2,)}
 DIM = {"light/Lamp 0/power": 0.0, "light/Lamp 1/power": 0.0, "world/strength": 0.0}
-OWNERS = {
-    "light/Lamp 0": "light/Lamp 0/power",
-    "light/Lamp 1": "light/Lamp 1/power",
-    "world": "world/strength",
-}
+OWNERS = {"light/Lamp 0": "light/Lamp 0/power", "light/Lamp 1": "light/Lamp 1/power", "world": "world/strength"}
 
 
 def other_renderer() -> SceneData:
@@ -106,9 +102,7 @@ def test_its_gradient_is_the_proxys_times_the_ratio(proxy: Proxy) -> None:
 
     plain = slopes()
     whole = render(proxy)
-    parts = {
-        o: 1.2 * render(proxy, **{k: v for k, v in DIM.items() if k != key}) for o, key in OWNERS.items()
-    }
+    parts = {o: 1.2 * render(proxy, **{k: v for k, v in DIM.items() if k != key}) for o, key in OWNERS.items()}
     proxy.anchor({}, CyclesPicture(1.2 * whole, parts, torch.zeros_like(whole)))
     for before, after in zip(plain, slopes(), strict=True):
         torch.testing.assert_close(after, 1.2 * before, rtol=0.03, atol=1e-6)
@@ -120,9 +114,7 @@ def test_the_gradient_of_a_power_is_cycles_own(truth: Proxy, proxy: Proxy) -> No
     power = torch.tensor(SCENE.instances["light/Lamp 0/power"].value, requires_grad=True)
     proxy.render({"light/Lamp 0/power": power}).linear.mean().backward()
     assert power.grad is not None
-    assert power.grad.item() == pytest.approx(
-        (picture.parts["light/Lamp 0"].mean() / power.detach()).item(), rel=0.01
-    )
+    assert power.grad.item() == pytest.approx((picture.parts["light/Lamp 0"].mean() / power.detach()).item(), rel=0.01)
 
 
 @pytest.mark.parametrize("brightness", [0.0, 1e-8, 1e4])
@@ -130,9 +122,7 @@ def test_extreme_pictures_leave_no_holes(proxy: Proxy, brightness: float) -> Non
     whole = torch.full((*SIZE[::-1], 3), brightness)
     proxy.anchor({}, CyclesPicture(whole, {"world": whole * 0.5}, whole * 0.5))
     torch.testing.assert_close(render(proxy), whole, atol=1e-5, rtol=1e-3)
-    values = tensors(
-        {"light/Lamp 0/power": 5.0, "world/strength": 0.0, "material/Floor/base_color": (0.9, 0.0, 0.0)}
-    )
+    values = tensors({"light/Lamp 0/power": 5.0, "world/strength": 0.0, "material/Floor/base_color": (0.9, 0.0, 0.0)})
     values = {k: v.requires_grad_() for k, v in values.items()}
     out = proxy.render(values).linear
     assert (out >= 0).all()
@@ -293,9 +283,7 @@ def test_the_rest_is_an_owner_too(truth: Proxy, proxy: Proxy) -> None:
     ],
     ids=str,
 )
-def test_layers_of_the_anchor_add_up_to_what_would_be_drawn(
-    truth: Proxy, proxy: Proxy, values, layered
-) -> None:
+def test_layers_of_the_anchor_add_up_to_what_would_be_drawn(truth: Proxy, proxy: Proxy, values, layered) -> None:
     proxy.anchor({}, picture_of(truth))
     with torch.no_grad():
         assert (proxy.layered(tensors(values)) is not None) == layered

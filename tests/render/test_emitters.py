@@ -68,9 +68,7 @@ def ball(radius=0.1):
 SHAPES = {
     "ball": ball,
     "plate": lambda: moved(
-        trimesh.Trimesh(
-            [[-0.1, -0.1, 0], [0.1, -0.1, 0], [0.1, 0.1, 0], [-0.1, 0.1, 0]], [[0, 1, 2], [0, 2, 3]]
-        ),
+        trimesh.Trimesh([[-0.1, -0.1, 0], [0.1, -0.1, 0], [0.1, 0.1, 0], [-0.1, 0.1, 0]], [[0, 1, 2], [0, 2, 3]]),
         (0.6, (1, 0, 0)),
     ),
     "tube": lambda: moved(trimesh.creation.cylinder(0.03, 1.2, sections=64), (math.pi / 2, (1, 0, 0))),

@@ -32,20 +32,12 @@ def picture():
 
 @pytest.mark.parametrize(
     ("view", "look"),
-    [
-        ("Standard", ""),
-        ("AgX", ""),
-        ("AgX", "AgX - Punchy"),
-        ("Filmic", "High Contrast"),
-        ("Khronos PBR Neutral", ""),
-    ],
+    [("Standard", ""), ("AgX", ""), ("AgX", "AgX - Punchy"), ("Filmic", "High Contrast"), ("Khronos PBR Neutral", "")],
 )
 def test_the_table_is_ocio(view, look):
     random = np.random.default_rng(0)
     tint = random.uniform(0, 1, (20000, 3)) ** random.choice([0.1, 1.0, 3.0], (20000, 1))
-    colors = (tint / tint.max(-1, keepdims=True) * 2 ** random.uniform(-10, 5.5, (20000, 1))).astype(
-        np.float32
-    )
+    colors = (tint / tint.max(-1, keepdims=True) * 2 ** random.uniform(-10, 5.5, (20000, 1))).astype(np.float32)
     exact = apply_ocio(colors, SPEC.ocio, "sRGB", view, look).clip(0, 1)
     got = ViewTransform(SPEC.ocio, "sRGB", view, look)(torch.from_numpy(colors)).clamp(0, 1).numpy()
     assert np.abs(got - exact).mean() < 0.3 / 255
@@ -135,9 +127,7 @@ def test_neutral_values_change_nothing(picture):
     film = Film(SPEC, SIZE)
     learning = {key: value.clone().requires_grad_() for key, value in NEUTRAL.items()}
     torch.testing.assert_close(film.grade(picture, learning), picture, atol=1e-5, rtol=1e-5)
-    torch.testing.assert_close(
-        film.develop(picture, learning), film.develop(picture, {}), atol=1e-5, rtol=1e-5
-    )
+    torch.testing.assert_close(film.develop(picture, learning), film.develop(picture, {}), atol=1e-5, rtol=1e-5)
     assert film.grade(picture, NEUTRAL) is picture
 
 

@@ -26,11 +26,7 @@ def panel(width: float, height: float, near: float) -> trimesh.Trimesh:
     return trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]])
 
 
-PANELS = {
-    "softbox": panel(2.0, 1.5, 2.0),
-    "window at the wall": panel(1.0, 1.0, 0.3),
-    "slit": panel(0.05, 1.0, 3.0),
-}
+PANELS = {"softbox": panel(2.0, 1.5, 2.0), "window at the wall": panel(1.0, 1.0, 0.3), "slit": panel(0.05, 1.0, 3.0)}
 
 
 def floor(place: float) -> tuple[Surface, torch.Tensor]:

@@ -35,9 +35,7 @@ def beside_many_rays(scene, roughness):
         count = len(points.material)
         uv = sphere_points(RAYS, count, torch.Generator().manual_seed(1))
         hits = geometry.first_hits(
-            geometry.lifted(points).repeat_interleave(RAYS, 1),
-            lobes.reflections(uv, roughness**2),
-            "glossy",
+            geometry.lifted(points).repeat_interleave(RAYS, 1), lobes.reflections(uv, roughness**2), "glossy"
         )
         return gathered, chosen, hits.hit.view(count, RAYS).float().mean(1)
 

@@ -92,14 +92,7 @@ def test_gradients_match_finite_differences(scene, cache, name):
 
     def score(value):
         got, _ = found(scene, rays, **{**values, name: value})
-        parts = (
-            got.ambient,
-            got.passing,
-            got.path_transmittance,
-            got.light_transmittance,
-            got.scattered,
-            got.mirrored,
-        )
+        parts = (got.ambient, got.passing, got.path_transmittance, got.light_transmittance, got.scattered, got.mirrored)
         return sum(p.double().mean() * (i + 1) for i, p in enumerate(parts))
 
     given = values[name].clone().requires_grad_()

@@ -93,11 +93,6 @@ def test_a_lamp_that_moves_gets_shadows_of_its_own(scene):
 
 def test_lights_that_light_some_things_only_stay_alone(scene, proxy):
     lamps = proxy._frame({}).lamps
-    odd = [
-        replace(lamp, light=replace(lamp.light, unlit=(0,))) if i == 20 else lamp
-        for i, lamp in enumerate(lamps)
-    ]
-    found = shadows.LightClusters.of(
-        odd, [False] * MANY, proxy._cache.view_samples(proxy._frame({}).view).surface
-    )
+    odd = [replace(lamp, light=replace(lamp.light, unlit=(0,))) if i == 20 else lamp for i, lamp in enumerate(lamps)]
+    found = shadows.LightClusters.of(odd, [False] * MANY, proxy._cache.view_samples(proxy._frame({}).view).surface)
     assert found.clusters[found.row[20]].members == (20,)

@@ -70,11 +70,7 @@ class TestSummed(OperationTests):
     wrong = (torch.rand(2, 4), torch.rand(4), torch.rand(4))
     values = (
         (
-            (
-                torch.tensor([[1.0, 2.0, 3.0], [0.0, 1.0, 0.0]]),
-                torch.tensor([1.0, 10.0]),
-                torch.tensor([5.0, 0.0]),
-            ),
+            (torch.tensor([[1.0, 2.0, 3.0], [0.0, 1.0, 0.0]]), torch.tensor([1.0, 10.0]), torch.tensor([5.0, 0.0])),
             [[1.0, 10.0], [7.0, 20.0], [3.0, 30.0]],
         ),
     )
@@ -83,9 +79,7 @@ class TestSummed(OperationTests):
 class TestReflectedRadiance(OperationTests):
     """At a knot its image, halfway between two their mean, beyond the last the last."""
 
-    operation = staticmethod(
-        lambda roughness, *images: ReflectedRadiance((0.0, 0.5, 1.0), images).at(roughness)
-    )
+    operation = staticmethod(lambda roughness, *images: ReflectedRadiance((0.0, 0.5, 1.0), images).at(roughness))
     inputs = (torch.tensor([0.2, 0.4, 0.6, 0.9], dtype=torch.float64), *(k * colors(4).T for k in (1, 2, 5)))
     shape = (3, 4)
     wrong = (torch.tensor(0.5), *(torch.rand(2, 4),) * 3)
@@ -146,9 +140,7 @@ PLAIN = shading_inputs_of(SCENE.materials[0], RenderValues(SCENE, {}, "cpu"))
 def even(view: Tensor, radiance: Tensor) -> IncidentLight:
     """The same radiance () from everywhere, no lamps."""
     image = radiance * torch.ones(3, view.shape[1], dtype=radiance.dtype)
-    return IncidentLight(
-        math.pi * image, torch.zeros(0, 3), [], view, ReflectedRadiance((0.0, 1.0), [image] * 2), None
-    )
+    return IncidentLight(math.pi * image, torch.zeros(0, 3), [], view, ReflectedRadiance((0.0, 1.0), [image] * 2), None)
 
 
 def coated(weight: Tensor, roughness: Tensor, view: Tensor, radiance: Tensor) -> Tensor:
@@ -176,10 +168,7 @@ class TestCoat(OperationTests):
     wrong = (number(1.0), 0.3 * EACH, torch.rand(6, 4), number(1.0))
     FRESNEL = torch.tensor([fresnel(c) for c in COSINES.tolist()])
     values = (
-        (
-            (number(1.0), 0.03 * EACH, VIEW, number(1.0)),
-            torch.stack((FRESNEL, FRESNEL, FRESNEL, 1 - FRESNEL)),
-        ),
+        ((number(1.0), 0.03 * EACH, VIEW, number(1.0)), torch.stack((FRESNEL, FRESNEL, FRESNEL, 1 - FRESNEL))),
         ((number(0.0), 0.3 * EACH, VIEW, number(1.0)), [[0.0]] * 3 + [[1.0]]),
     )
 

@@ -36,10 +36,7 @@ class TestContrast(_GradeTests):
 class TestSaturation(_GradeTests):
     operation = staticmethod(grade.saturation)
     inputs = (colors(4, 5), number(1.2))
-    values = (
-        ((torch.tensor([[[1.0, 0.0, 0.0]]]), torch.tensor(0.0)), 0.2126),
-        ((GRAY, torch.tensor(2.0)), 0.18),
-    )
+    values = (((torch.tensor([[[1.0, 0.0, 0.0]]]), torch.tensor(0.0)), 0.2126), ((GRAY, torch.tensor(2.0)), 0.18))
 
 
 class TestTurnHue(_GradeTests):

@@ -42,11 +42,7 @@ def test_a_mirror_ball_reflects_what_it_sees() -> None:
     """Chrome in a plain world has the world's color; a white furnace stays white for every material."""
     scene = balls(1, 0, 4)
     proxy = Proxy(scene, (48, 48))
-    white = {
-        "world/color": torch.ones(3),
-        "world/strength": torch.ones(1),
-        "material/Ball 0/base_color": torch.ones(3),
-    }
+    white = {"world/color": torch.ones(3), "world/strength": torch.ones(1), "material/Ball 0/base_color": torch.ones(3)}
     for roughness in (0.0, 0.3, 0.7, 1.0):
         for metallic in (0.0, 0.5, 1.0):
             values = {
@@ -61,10 +57,7 @@ def test_a_mirror_ball_reflects_what_it_sees() -> None:
 def test_mirror_images_are_antialiased() -> None:
     """A mirror ball at the size of a prediction, against the same with sixteen times as many pixels."""
     scene = balls(3, 2, 4)
-    values = {
-        "material/Ball 0/metallic": torch.tensor([1.0]),
-        "material/Ball 0/roughness": torch.tensor([0.0]),
-    }
+    values = {"material/Ball 0/metallic": torch.tensor([1.0]), "material/Ball 0/roughness": torch.tensor([0.0])}
     with torch.no_grad():
         large = Proxy(scene, (256, 256)).render(values).linear.permute(2, 0, 1)[None]
         truth = torch.nn.functional.avg_pool2d(large, 4)[0].permute(1, 2, 0)

@@ -20,9 +20,7 @@ GLOW = {"material/Ball 0/emission": 20.0, "material/Ball 1/transmission": 1.0, "
 def _scene(*hidden: str) -> SceneData:
     """Two balls over a floor, the first of which glows and the second of which is of glass."""
     scene = balls(3, 1, 2)
-    values = {
-        k: replace(i, value=(GLOW[k],) * len(i.value)) if k in GLOW else i for k, i in scene.instances.items()
-    }
+    values = {k: replace(i, value=(GLOW[k],) * len(i.value)) if k in GLOW else i for k, i in scene.instances.items()}
     first = MeshObject("Ball 0", True, hidden)
     return replace(scene, instances=values, objects=(first, *scene.objects[1:]))
 

@@ -132,12 +132,7 @@ def test_a_large_disc_is_one_sun():
 
 def test_the_suns_with_most_light_are_taken():
     """Not those of the brightest texel."""
-    lamps = [
-        (0.0, 20.0, 1.0, 300.0),
-        (90.0, 20.0, 1.2, 200.0),
-        (180.0, 40.0, 6.0, 40.0),
-        (270.0, 30.0, 5.0, 60.0),
-    ]
+    lamps = [(0.0, 20.0, 1.0, 300.0), (90.0, 20.0, 1.2, 200.0), (180.0, 40.0, 6.0, 40.0), (270.0, 30.0, 5.0, 60.0)]
     picture = sum(lamp_picture(*lamp) for lamp in lamps)
     found = [math.degrees(math.atan2(s.toward[1], s.toward[0])) % 360 for s in split(picture)[2]]
     assert {180, 270} <= {round(f / 10) * 10 % 360 for f in found}

@@ -206,9 +206,7 @@ def test_lamp_placement(kind: str, family: str) -> None:
     proxy = Proxy(scene, SIZE)
     key, instance = next((k, i) for k, i in scene.instances.items() if i.parameter.family == family)
     step = {"deg": 3.0, "m": 0.1}[instance.parameter.unit]
-    automatic, difference = _both(
-        lambda v: (proxy.render({key: v}).linear * weights).sum(), instance.value, step
-    )
+    automatic, difference = _both(lambda v: (proxy.render({key: v}).linear * weights).sum(), instance.value, step)
     assert automatic.item() == pytest.approx(difference.item(), rel=MISSING, abs=3e-3)
 
 
@@ -218,9 +216,7 @@ def test_a_moving_camera(family: str) -> None:
     scene, weights = _lit_by("AREA"), _weights()
     proxy, instance = Proxy(scene, SIZE), scene.instances[family]
     step = 0.1 if instance.parameter.unit == "m" else 1.5
-    automatic, difference = _both(
-        lambda v: (proxy.render({family: v}).linear * weights).sum(), instance.value, step
-    )
+    automatic, difference = _both(lambda v: (proxy.render({family: v}).linear * weights).sum(), instance.value, step)
     assert automatic.item() == pytest.approx(difference.item(), rel=0.22)
 
 

@@ -237,6 +237,4 @@ def test_gradients_match_finite_differences(scene, name, density):
 def test_fog_that_is_not_there_costs_nothing(scene):
     assert not fog(scene, density=0.0).active
     assert fog(scene, density=0.01).active
-    assert FogMedium(
-        scene, RenderValues(scene, {"volume/density": torch.zeros(1, requires_grad=True)}, "cpu")
-    ).active
+    assert FogMedium(scene, RenderValues(scene, {"volume/density": torch.zeros(1, requires_grad=True)}, "cpu")).active

@@ -58,9 +58,7 @@ def test_a_sun_through_a_window_is_the_sun_of_the_hour():
     assert (key.kelvin, key.color) == (hour.lights[0].kelvin, hour.lights[0].color)
 
 
-@pytest.mark.parametrize(
-    "words", ["sun through the window, cozy", "golden hour, sun through the window, noir"]
-)
+@pytest.mark.parametrize("words", ["sun through the window, cozy", "golden hour, sun through the window, noir"])
 def test_a_dark_style_leaves_the_sky_of_a_sun(words):
     found = _chosen(words)
     assert found
@@ -151,10 +149,7 @@ def test_a_lamp_of_the_picture_that_burns_is_a_light(words):
 def test_each_lamp_is_a_light():
     found = _chosen("night, the table lamp glows red, the lantern glows blue")
     assert found
-    assert {light.worn for light in found.rig.lights if light.worn} == {
-        frozenset({"Shade"}),
-        frozenset({"Paper"}),
-    }
+    assert {light.worn for light in found.rig.lights if light.worn} == {frozenset({"Shade"}), frozenset({"Paper"})}
 
 
 def test_such_a_light_has_the_color_of_the_glow():

@@ -28,9 +28,7 @@ KITCHEN = SceneDescription(
 def rig(prompt: str, scene: SceneDescription | None = None) -> Rig:
     """The rig of a prompt."""
     vocabulary = default_vocabulary()
-    found = chosen_rig(
-        goals_of(parse(prompt, scene or SceneDescription(), vocabulary)), rig_table(), vocabulary
-    )
+    found = chosen_rig(goals_of(parse(prompt, scene or SceneDescription(), vocabulary)), rig_table(), vocabulary)
     assert found
     return found.rig
 
@@ -62,9 +60,7 @@ def sides(rig: Rig) -> dict[str, float]:
 def test_each_light_has_its_color_on_its_side(form, first, colors, scene):
     (second,) = SIDES.keys() - {first}
     named = default_vocabulary().colors
-    expected = dict(
-        zip((hex_from_srgb(named[c]) for c in colors), (SIDES[first], SIDES[second]), strict=True)
-    )
+    expected = dict(zip((hex_from_srgb(named[c]) for c in colors), (SIDES[first], SIDES[second]), strict=True))
     found = rig(form.format(a=colors[0], b=colors[1], x=first, y=second), scene)
     assert sides(found) == expected
     assert found.lights[0].part == "key"
@@ -129,9 +125,7 @@ def test_what_a_light_is_like_is_no_other_light(prompt):
     ("where", "azimuth"), [("back left", -140), ("back right", 125), ("left", -85), ("above", None)]
 )
 def test_two_words_of_place_are_half_way_between(where, azimuth):
-    light = (
-        rig(f"a hard key from the {where}").lights[0] if azimuth else rig("a hard key from above").lights[0]
-    )
+    light = rig(f"a hard key from the {where}").lights[0] if azimuth else rig("a hard key from above").lights[0]
     assert light.azimuth == pytest.approx(azimuth, abs=1) if azimuth else light.elevation > 60
 
 
@@ -140,9 +134,7 @@ def test_lights_on_both_sides_are_a_pair():
     assert (key.azimuth, key.elevation, key.size) == (-other.azimuth, other.elevation, other.size)
 
 
-@pytest.mark.parametrize(
-    "prompt", ["red cup, a blue lamp from the left", "a blue lamp from the left, the cup red"]
-)
+@pytest.mark.parametrize("prompt", ["red cup, a blue lamp from the left", "a blue lamp from the left, the cup red"])
 def test_a_things_color_is_no_lights(prompt):
     assert len(sides(rig(prompt, KITCHEN))) == 1
     assert {a.owners for a in parse(prompt, KITCHEN).attributes if a.entry == "red"} == {("Clay",)}
@@ -179,9 +171,7 @@ def test_darker_is_not_black(words):
 
 
 def test_slightly_is_of_the_color_and_faint_of_the_light():
-    full, slight, faint = (
-        part(f"a {x}yellow lamp from the left", "key").color for x in ("", "slightly ", "faint ")
-    )
+    full, slight, faint = (part(f"a {x}yellow lamp from the left", "key").color for x in ("", "slightly ", "faint "))
     chromas = [chroma(lab_from_srgb(srgb_from_hex(color))) for color in (full, slight, faint)]
     assert chromas[1] < 0.6 * chromas[0]
     assert chromas[2] == pytest.approx(chromas[0], rel=0.05)
@@ -314,8 +304,7 @@ def test_the_lamps_of_a_night_are_not_its_moon(lamps):
 
 
 @pytest.mark.parametrize(
-    "words",
-    ["golden hour backlight", "low sun behind, long shadows", "cold dawn behind it", "moonlight from behind"],
+    "words", ["golden hour backlight", "low sun behind, long shadows", "cold dawn behind it", "moonlight from behind"]
 )
 def test_a_sun_that_is_said_to_be_behind_is_the_key_and_stands_there(words):
     key, *others = rig(words).lights

@@ -36,15 +36,7 @@ from proxy_renderer.words.types import SceneDescription
 
 RIG = '[rig.glow]\nsays = "A glow."\nlights = [{ part = "key", source = "point", from = [-40, 20] }]\n'
 RIGS = sorted({rig.name: rig for rig in rig_table().rigs.values()}.values(), key=lambda rig: rig.name)
-_AT_HOME = {
-    "power": 40.0,
-    "strength": 1.0,
-    "size": 0.5,
-    "angle": 0.5,
-    "cone": 45.0,
-    "elevation": 40.0,
-    "distance": 4.0,
-}
+_AT_HOME = {"power": 40.0, "strength": 1.0, "size": 0.5, "angle": 0.5, "cone": 45.0, "elevation": 40.0, "distance": 4.0}
 _COMMON = {"color": (1.0, 1.0, 1.0), "temperature": (6500.0,), "azimuth": (0.0,), "elevation": (40.0,)}
 
 
@@ -55,9 +47,7 @@ def _spare() -> Standby:
         identity = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
         lights.append(Light(what.name, what.type, identity, (0.0, -4.0, 3.0), role=what.role, card=1.5))
         sun = what.type == "SUN"
-        names = (
-            ["strength", "angle"] if sun else ["power", "size", "distance", *["cone"] * (what.type == "SPOT")]
-        )
+        names = ["strength", "angle"] if sun else ["power", "size", "distance", *["cone"] * (what.type == "SPOT")]
         values = {**_COMMON, **{name: (_AT_HOME[name],) for name in names}}
         for name, value in values.items():
             instance = Instance(
@@ -180,9 +170,7 @@ def test_stops_between_key_and_others_hold_in_irradiance(prompt, scene):
     shed = {}
     for light in added:
         lamp = lamps[light.name]
-        raw = lamp.irradiance(stage.subject.position, stage.subject.normal).irradiance * float(
-            lamp.color.mean()
-        )
+        raw = lamp.irradiance(stage.subject.position, stage.subject.normal).irradiance * float(lamp.color.mean())
         shed[light.name] = float(raw.topk(len(raw) // 2).values.mean())
     key = next(name for name in shed if "Key" in name)
     fills = [name for name in shed if "Fill" in name]
@@ -222,14 +210,7 @@ def with_street_lamps(scene: SceneData) -> SceneData:
     for name, side in (("Street Lamp 1", -60.0), ("Street Lamp 2", 60.0)):
         place = tuple(4.0 * x for x in orbit.direction(side, 40.0))
         lights.append(Light(name, "SPOT", away, place))
-        values = {
-            **_COMMON,
-            "power": (40.0,),
-            "size": (0.1,),
-            "distance": (4.0,),
-            "cone": (60.0,),
-            "azimuth": (side,),
-        }
+        values = {**_COMMON, "power": (40.0,), "size": (0.1,), "distance": (4.0,), "cone": (60.0,), "azimuth": (side,)}
         for kind, value in values.items():
             instance = Instance(FAMILIES[f"light/{kind}"], name, value, 4.0 if kind == "distance" else 1.0)
             instances[instance.key] = instance
@@ -411,9 +392,7 @@ def _backdrop() -> dict[str, Instance]:
 
 
 def test_a_sky_behind_haze_is_pale():
-    clear, hazy = (
-        parse(prompt, SceneDescription(), default_vocabulary()) for prompt in ("sunset", "sunset, hazy air")
-    )
+    clear, hazy = (parse(prompt, SceneDescription(), default_vocabulary()) for prompt in ("sunset", "sunset, hazy air"))
     assert (_is_hazy(clear), _is_hazy(hazy)) == (False, True)
     pure, pale = (lab_from_srgb(srgb_from_hex(color)) for color in ("#56a2ec", _veiled("#56a2ec")))
     assert chroma(pale) < 0.7 * chroma(pure)
@@ -475,17 +454,13 @@ def test_a_mood_of_the_grade_alone_is_no_light(mood):
     of_grade = goals_of(parse(f"{mood} bleach bypass grade", SceneDescription(), vocabulary))
     assert chosen_rig(of_grade, rig_table(), vocabulary) is None
     assert {a.slot for a in of_grade.parsed.attributes if a.cause} == {"grade"}
-    assert chosen_rig(
-        goals_of(parse(f"{mood} mood", SceneDescription(), vocabulary)), rig_table(), vocabulary
-    )
+    assert chosen_rig(goals_of(parse(f"{mood} mood", SceneDescription(), vocabulary)), rig_table(), vocabulary)
 
 
 def test_each_light_names_the_word_that_asked_for_it(scene):
     """In what is planned, and so in the panel's list of changes."""
     addition = set_stage([scene], "red light from the left, blue light from the right")
-    colors = {
-        k: e for k, e in addition.plan.entries.items() if k.startswith("light/") and k.endswith("/color")
-    }
+    colors = {k: e for k, e in addition.plan.entries.items() if k.startswith("light/") and k.endswith("/color")}
     words = {"'red'" if e.start[0] > e.start[2] else "'blue'": e.reason for e in colors.values()}
     assert words == {"'red'": "'red'", "'blue'": "'blue'"}
 

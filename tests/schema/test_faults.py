@@ -15,10 +15,7 @@ def test_the_trace_is_in_the_log_that_the_line_names(tmp_path, monkeypatch):
     except KeyError as error:
         fault = errors.to_show(error, "reading the scene")
     (log,) = tmp_path.rglob("*.log")
-    assert (
-        str(fault)
-        == f"Something broke while reading the scene: KeyError: 'gone'. Please report it with {log}."
-    )
+    assert str(fault) == f"Something broke while reading the scene: KeyError: 'gone'. Please report it with {log}."
     assert "test_faults.py" in log.read_text()
 
 

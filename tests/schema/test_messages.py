@@ -16,9 +16,7 @@ ALL = [
     messages.Anchored(2, "anchor-2.exr", {"Vibe 0": "light/Key"}, 1.25),
     messages.Anchored(3, error="Blender is busy"),
     messages.Result({"film/contrast": [1.2]}, {"seed": 1}, "prediction.png", True),
-    messages.Result(
-        {}, {}, "p.png", variants=[messages.Variant({"film/gamma": [1.1]}, "variant-1.png", 0.5)]
-    ),
+    messages.Result({}, {}, "p.png", variants=[messages.Variant({"film/gamma": [1.1]}, "variant-1.png", 0.5)]),
     messages.Stop(),
     messages.Finish("b.png", "a.png", "c.png"),
     messages.Finished({"shown": {"mean": 1.5, "p95": 4.0}}, {"before": 0.1, "after": 0.4}),

@@ -72,13 +72,7 @@ def test_what_vibe_run_hands_over_means_the_same_on_the_other_side():
     argv = ["run", "a.blend", "--out=o", "--prompt=noir", "--subject=Cup", "--stage=floor", "--cameras=A,B"]
     argv += ["--frames=1,5", "--grade-each", "--effort=quick", "--rounds=7", "--steps=8", "--starts=2"]
     argv += ["--variants=3", "--top-k=5", "--seed=4", "--groups=light", "--lock=world", "--encoder=e"]
-    argv += [
-        "--target=copper=Cup",
-        "--device=cpu",
-        "--vlm-model=m",
-        "--vlm-url=u",
-        "--no-anchor",
-    ]
+    argv += ["--target=copper=Cup", "--device=cpu", "--vlm-model=m", "--vlm-url=u", "--no-anchor"]
     argv += ["--no-new-lights", "--figures", "--light-mix"]
     argv += ["--like=still.jpg", "--like-only=light", "--like-same", "--goals=g.json"]
     argv += ["--size=64", "--samples=2", "--then=warmer"]
@@ -95,6 +89,4 @@ def test_the_engine_is_told_what_the_command_line_says():
     given, _ = read("--rounds=7", "--lock=world", "--no-anchor", "--grade-each", table=TABLE)
     checks.numbers(given)
     told = command_line.engine_options(given, camera=True, online=False)
-    assert told == Options(
-        rounds=7, lock=("world",), anchor=False, grade_each=True, camera=True, online=False
-    )
+    assert told == Options(rounds=7, lock=("world",), anchor=False, grade_each=True, camera=True, online=False)

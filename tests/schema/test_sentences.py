@@ -96,11 +96,7 @@ def test_a_look_is_no_sentence_about_steps(sentence):
         ("cooler, but not the clock", "cooler, but leave the clock", 0.0),
         ("keep everything but make the cap rose gold", "make the cap rose gold", 0.0),
         ("floor not that shiny", "floor less shiny", 0.0),
-        (
-            "the jug gets lost, bring it up without touching the wall",
-            "the jug brighter, but leave the wall",
-            0.0,
-        ),
+        ("the jug gets lost, bring it up without touching the wall", "the jug brighter, but leave the wall", 0.0),
         ("Nice, but the lamp is burning out the wall, halve it", "less lamp", 0.5),
         ("still reads like daytime, take it down a stop and a half", "darker", 2.0**-1.5),
         ("take the lamp down a stop", "the lamp darker", 0.5),

@@ -115,11 +115,7 @@ def test_a_question_about_a_picture_needs_it():
     ("answer", "words", "lasting"),
     [
         (refuses(401, f"Incorrect API key provided: {KEY}."), ["refuses the key", "vibe doctor"], True),
-        (
-            refuses(404, "model 'eyes:7b' not found, try pulling it first"),
-            ["does not have the model", MODEL],
-            True,
-        ),
+        (refuses(404, "model 'eyes:7b' not found, try pulling it first"), ["does not have the model", MODEL], True),
         (refuses(402, "Insufficient balance"), ["paid", "balance"], True),
         (refuses(400, "This model's maximum context length is 4096 tokens"), ["does not fit", "16384"], True),
         ((302, b"", {"Location": "http://127.0.0.1:1/v1"}), ["elsewhere"], True),
@@ -139,16 +135,7 @@ def test_failures_that_asking_again_does_not_mend(answer, words, lasting):
 
 @pytest.mark.parametrize(
     "content",
-    [
-        '{"color": "re',
-        "I think red.",
-        "",
-        "{" * 5000,
-        '{"hue": "red"}',
-        "[1, 2]",
-        '{"color": NaN}',
-        '{"a":' * 3000,
-    ],
+    ['{"color": "re', "I think red.", "", "{" * 5000, '{"hue": "red"}', "[1, 2]", '{"color": NaN}', '{"a":' * 3000],
 )
 def test_an_answer_that_cannot_be_read_is_asked_for_once_more(content):
     error, model = failure(lambda body, n: says(content))
@@ -196,9 +183,7 @@ def test_patience_has_an_end(status):
 
 
 def test_a_quota_that_is_used_up_is_no_matter_of_waiting():
-    error, _ = failure(
-        lambda body, n: refuses(429, "You exceeded your current quota", code="insufficient_quota")
-    )
+    error, _ = failure(lambda body, n: refuses(429, "You exceeded your current quota", code="insufficient_quota"))
     assert error.lasting
     assert "paid" in error.message
 
@@ -331,9 +316,7 @@ class TestEndpoint:
     def test_no_model_is_asked_unless_one_is_named(self):
         assert find_endpoint(Options(), environment={"OPENAI_API_KEY": KEY}) is None
         assert find_endpoint(Options(vlm_model="off"), environment={"VIBE_VLM_MODEL": "m"}) is None
-        assert (
-            find_endpoint(Options(), environment={"VIBE_VLM_MODEL": "m", "OPENAI_API_KEY": KEY}).url == OPENAI
-        )
+        assert find_endpoint(Options(), environment={"VIBE_VLM_MODEL": "m", "OPENAI_API_KEY": KEY}).url == OPENAI
 
     def test_openai_s_key_goes_to_openai_only(self):
         env = {"OPENAI_API_KEY": KEY}
@@ -381,11 +364,7 @@ class TestEndpoint:
     def test_blender_s_online_access(self):
         for url in ("http://localhost:8080/v1", "http://127.0.0.1:1234/v1", "http://[::1]:8000/v1"):
             assert find_endpoint(Options(vlm_model="m", vlm_url=url, online=False), environment={})
-        for url in (
-            "http://192.168.1.5:8000/v1",
-            "https://localhost.example.org/v1",
-            "http://127.evil.org/v1",
-        ):
+        for url in ("http://192.168.1.5:8000/v1", "https://localhost.example.org/v1", "http://127.evil.org/v1"):
             with pytest.raises(VibeError, match="online access"):
                 find_endpoint(Options(vlm_model="m", vlm_url=url, online=False), environment={})
 
@@ -403,11 +382,7 @@ def test_doctor_says_whether_a_model_is_configured(monkeypatch):
 
 @pytest.mark.parametrize(
     ("color", "words"),
-    [
-        ("Red", ["sees pictures", "strict JSON"]),
-        ("unseen", ["does NOT see"]),
-        ("\x1b[2Jred\u202e", ["'[2Jred'"]),
-    ],
+    [("Red", ["sees pictures", "strict JSON"]), ("unseen", ["does NOT see"]), ("\x1b[2Jred\u202e", ["'[2Jred'"])],
 )
 def test_doctor_tries_the_model(color, words):
     with serving(lambda body, n: says({"color": color})) as model:

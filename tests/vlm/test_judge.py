@@ -63,14 +63,7 @@ def test_verdicts(said, winner, reason):
 
 @pytest.mark.parametrize(
     "said",
-    [
-        "",
-        "OURS",
-        "WINNER = NOBODY",
-        "WINNER = OURS or CLIP-ONLY",
-        "WINNER = OURS\nWINNER = TIE",
-        "WINNER = AFTER",
-    ],
+    ["", "OURS", "WINNER = NOBODY", "WINNER = OURS or CLIP-ONLY", "WINNER = OURS\nWINNER = TIE", "WINNER = AFTER"],
 )
 def test_no_verdict(said):
     with pytest.raises(ModelError, match="no winner"):

@@ -94,30 +94,20 @@ class TestQuestion:
             if node.get("type") == "object":
                 assert node["required"] == list(node["properties"])
                 assert node["additionalProperties"] is False
-            for child in [
-                *node.get("properties", {}).values(),
-                *([node["items"]] if "items" in node else []),
-            ]:
+            for child in [*node.get("properties", {}).values(), *([node["items"]] if "items" in node else [])]:
                 strict(child)
 
         strict(schema)
 
     def test_locked_things_are_not_offered(self):
         rows = AliasTable(
-            {
-                i.key: i
-                for i in (instance("film/contrast", value=1.0), instance("film/gamma", locked="by you"))
-            },
+            {i.key: i for i in (instance("film/contrast", value=1.0), instance("film/gamma", locked="by you"))},
             SceneDescription(),
         ).rows
         assert list(rows) == ["film/contrast"]
 
     def test_a_large_scene_stays_small(self):
-        many = {
-            i.key: i
-            for n in range(200)
-            for i in (instance("material/roughness", f"M{n}", role="surroundings"),)
-        }
+        many = {i.key: i for n in range(200) for i in (instance("material/roughness", f"M{n}", role="surroundings"),)}
         many |= {i.key: i for i in (instance("material/roughness", "Hero", role="subject"),)}
         table = AliasTable(many, SceneDescription(material_share={"M7": 0.9}))
         assert len(table.rows) == 10
@@ -142,12 +132,7 @@ class TestQuestion:
         assert table.shown(light, (200.0,)) == (50.0,)
         assert table.shown(paint, paint.value) == pytest.approx((0.5,) * 3, abs=1e-3)
         reply = read_reply(
-            {
-                "plan": [
-                    entry("light1/azimuth", [-100], [-80]),
-                    entry("material1/base_color", [0.5] * 3, [0.6] * 3),
-                ]
-            },
+            {"plan": [entry("light1/azimuth", [-100], [-80]), entry("material1/base_color", [0.5] * 3, [0.6] * 3)]},
             table,
         )
         assert reply.entries[light.key].lower == (50.0,)
@@ -204,17 +189,13 @@ class TestReply:
     def test_a_direction_from_behind(self):
         light = Instance(FAMILIES["light/azimuth"], "Rim", (170.0,))
         reply = read_reply(
-            {"plan": [entry("light1/azimuth", [150], [-150])]},
-            AliasTable({light.key: light}, SceneDescription()),
+            {"plan": [entry("light1/azimuth", [150], [-150])]}, AliasTable({light.key: light}, SceneDescription())
         )
         made = reply.entries[light.key]
         assert (made.lower, made.upper) == ((150.0,), (210.0,))
 
     def test_locks_hold(self):
-        free, locked = (
-            instance("film/contrast", value=1.0),
-            instance("film/gamma", value=1.0, locked="by you"),
-        )
+        free, locked = (instance("film/contrast", value=1.0), instance("film/gamma", value=1.0, locked="by you"))
         reply = read_reply(
             {"plan": [entry("film/gamma", [2], [2.4]), entry("film/contrast", [1.2], [1.5])]},
             AliasTable({free.key: free, locked.key: locked}, SceneDescription()),
@@ -228,15 +209,7 @@ class TestReply:
             {},
             {"plan": None},
             {"plan": {}},
-            {
-                "plan": "x",
-                "objects": 7,
-                "targets": [],
-                "prompts": 3,
-                "colors": "red",
-                "keep": 1,
-                "ignored": {},
-            },
+            {"plan": "x", "objects": 7, "targets": [], "prompts": 3, "colors": "red", "keep": 1, "ignored": {}},
         ],
     )
     def test_nothing_in_it(self, table, raw):
@@ -251,8 +224,7 @@ class TestReply:
                     "subject_negatives": ["not teal", "white"] * 99,
                 },
                 "plan": [entry("film/contrast", [1.2], [1.4], reason="<script>\n" * 999, priority=-5)],
-                "objects": [{"name": "x" * 999, "region": "subject", "attributes": "all"}, {"region": "moon"}]
-                * 50,
+                "objects": [{"name": "x" * 999, "region": "subject", "attributes": "all"}, {"region": "moon"}] * 50,
                 "ignored": ["w" * 999, 7, None],
             },
             table,
@@ -285,24 +257,20 @@ class TestReply:
                 kinds += [
                     lambda: [junk(depth + 1) for _ in range(draw.randrange(4))],
                     lambda: {
-                        draw.choice(
-                            [*names, "region", "lower", "upper", "parameter", "subject", "fog"]
-                        ): junk(depth + 1)
+                        draw.choice([*names, "region", "lower", "upper", "parameter", "subject", "fog"]): junk(
+                            depth + 1
+                        )
                         for _ in range(4)
                     },
                 ]
             return draw.choice(kinds)()
 
         for _ in range(2000):
-            raw = {
-                f: junk() for f in ("objects", "prompts", "targets", "colors", "ignored", "plan", "keep", "x")
-            }
+            raw = {f: junk() for f in ("objects", "prompts", "targets", "colors", "ignored", "plan", "keep", "x")}
             raw["plan"] = [entry(draw.choice(names), junk(2), junk(2), priority=junk(2)) for _ in range(3)]
             for key, e in read_reply(raw, table).entries.items():
                 i = table.rows[table.names[key]]
-                assert all(
-                    a <= b <= c <= d for a, b, c, d in zip(i.lower, e.lower, e.upper, i.upper, strict=True)
-                )
+                assert all(a <= b <= c <= d for a, b, c, d in zip(i.lower, e.lower, e.upper, i.upper, strict=True))
 
 
 class Silent:
@@ -347,10 +315,7 @@ class TestLoop:
         assert [r["advice"] for r in outcome.rounds] == [MODEL, MODEL]
         assert all(map(has_picture, model.asked))
         first, second = map(document, model.asked)
-        assert (
-            first["parameters"]["material1/base_color"]["now"]
-            != second["parameters"]["material1/base_color"]["now"]
-        )
+        assert first["parameters"]["material1/base_color"]["now"] != second["parameters"]["material1/base_color"]["now"]
         assert first["measured"] != second["measured"]
         after = outcome.vector.values(outcome.u)
         assert after["material/Ball/roughness"][0] <= 0.151
@@ -420,9 +385,7 @@ class TestLoop:
 
     def test_what_the_model_keeps_stays(self, scene, encoder):
         def keeps(body, n):
-            return says(
-                plan_for(body, keep=["material1/roughness"], plan=[entry("film/vignette", [0.4], [0.6])])
-            )
+            return says(plan_for(body, keep=["material1/roughness"], plan=[entry("film/vignette", [0.4], [0.6])]))
 
         with serving(keeps) as model:
             outcome, _, _ = vibe(scene, encoder, model)
@@ -452,7 +415,4 @@ def test_words_need_no_scene():
         made = ModelAdvisor(understood, goals_or_why(understood), client, lambda text: None)
         fog = instance("volume/density", value=0.0)
         picture = torch.zeros(8, 8, 3)
-        assert (
-            made.advise(picture, {fog.key: fog}, SceneDescription()).plan["volume/density"].priority
-            is not None
-        )
+        assert made.advise(picture, {fog.key: fog}, SceneDescription()).plan["volume/density"].priority is not None

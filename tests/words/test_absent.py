@@ -63,13 +63,9 @@ def test_names_that_blender_gives_do_not_tell_what_an_object_is(subject, materia
         looks={material: MaterialLook(share=0.2), "Material.002": MaterialLook(share=0.6)},
     )
     for noun in ("mug", "kettle", "sofa"):
-        (copper,) = [
-            a for a in parse(f"the {noun} is copper, warm light", scene).attributes if a.word == "copper"
-        ]
+        (copper,) = [a for a in parse(f"the {noun} is copper, warm light", scene).attributes if a.word == "copper"]
         assert copper.region == "subject"
-    named = replace(
-        scene, objects={"Vase": "subject", "Plane": "surroundings"}, object_materials={"Vase": (material,)}
-    )
+    named = replace(scene, objects={"Vase": "subject", "Plane": "surroundings"}, object_materials={"Vase": (material,)})
     with pytest.raises(VibeError, match="no 'mug' in the scene"):
         parse("the mug is copper", replace(named, subject="Vase"))
 
@@ -89,9 +85,7 @@ ROBOT = SceneDescription(
 )  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "prompt", ["the robot in aged brass", "dim workshop at dusk, the robot in aged brass"]
-)
+@pytest.mark.parametrize("prompt", ["the robot in aged brass", "dim workshop at dusk, the robot in aged brass"])
 def test_names_of_parts_and_substances_do_not_name_the_whole(prompt):
     (brass,) = [a for a in parse(prompt, ROBOT).attributes if a.word == "aged brass"]
     assert (brass.region, brass.thing) == ("subject", "robot")
@@ -116,9 +110,7 @@ def test_parts_of_one_color_are_one_thing_and_its_plural_parts_do_not_name_it():
     assert said("a copper robot with blue eyes", scene) == {"copper"}
     with pytest.raises(VibeError, match="no 'wheels' in the scene"):
         parse("the wheels are gold", scene)
-    looks = {
-        n: replace(look, color=(i / 3, 1 - i / 3, 0.2)) for i, (n, look) in enumerate(scene.looks.items())
-    }
+    looks = {n: replace(look, color=(i / 3, 1 - i / 3, 0.2)) for i, (n, look) in enumerate(scene.looks.items())}
     with pytest.raises(VibeError, match="no 'robot' in the scene"):
         parse("copper robot", replace(scene, looks=looks))
 

@@ -9,14 +9,7 @@ from proxy_renderer.words.targets import sense_at
 from proxy_renderer.words.types import SceneDescription
 
 VOCABULARY = shipped_vocabulary()
-_TARGETS = {
-    "thing": "things",
-    "lamp": "lights",
-    "light": "light",
-    "sky": "sky",
-    "fog": "air",
-    "tone": "picture",
-}
+_TARGETS = {"thing": "things", "lamp": "lights", "light": "light", "sky": "sky", "fog": "air", "tone": "picture"}
 
 
 def token(word):
@@ -50,11 +43,7 @@ def test_words_have_senses_elsewhere(word, kind, entry):
 
 @pytest.mark.parametrize(
     ("mood", "kind", "entry"),
-    [
-        ("gloomy", "lights", "weaker lamp"),
-        ("heroic", "sky", "charged sky"),
-        ("thriller", "things", "darker surface"),
-    ],
+    [("gloomy", "lights", "weaker lamp"), ("heroic", "sky", "charged sky"), ("thriller", "things", "darker surface")],
 )
 def test_a_mood_is_what_a_part_of_its_meaning_is_there(mood, kind, entry):
     assert mood not in VOCABULARY.elsewhere.get(kind, {})

@@ -34,12 +34,7 @@ for prompt in ("navy armchair, oak table darker than the floor", "everything whi
 
 GARAGE = SceneDescription(
     objects={"carShell": "subject", "Brake_FL": "subject", "Boden": "surroundings", "Crate": "surroundings"},
-    materials={
-        "CarShellNew": "subject",
-        "BrakeDisc": "subject",
-        "Beton": "surroundings",
-        "CrateWood": "surroundings",
-    },
+    materials={"CarShellNew": "subject", "BrakeDisc": "subject", "Beton": "surroundings", "CrateWood": "surroundings"},
     object_materials={
         "carShell": ("CarShellNew",),
         "Brake_FL": ("BrakeDisc",),
@@ -149,10 +144,7 @@ def test_a_prompt_is_read_alike_in_every_process():
     """Python orders sets anew in each process: what is likely must not depend on it."""
     told = {
         subprocess.run(
-            [sys.executable, "-c", _READS],
-            env={**os.environ, "PYTHONHASHSEED": seed},
-            capture_output=True,
-            check=True,
+            [sys.executable, "-c", _READS], env={**os.environ, "PYTHONHASHSEED": seed}, capture_output=True, check=True
         ).stdout
         for seed in ("1", "2", "3")
     }
@@ -170,14 +162,9 @@ def test_light_is_any_light_though_one_is_called_so() -> None:
 
 
 def test_a_light_is_told_by_its_number() -> None:
-    called = {
-        name: LightDescription("AREA", "fill", 0.0) for name in ("Area", "Area.001", "Light", "Light.002")
-    }
+    called = {name: LightDescription("AREA", "fill", 0.0) for name in ("Area", "Area.001", "Light", "Light.002")}
     scene = replace(GARAGE, lights=called)
-    for prompt, name in (
-        ("Area.001 blue", "Area.001"),
-        ("Light.002 blue", "Light.002"),
-    ):
+    for prompt, name in (("Area.001 blue", "Area.001"), ("Light.002 blue", "Light.002")):
         (blue,) = (a for a in parse(prompt, scene).attributes if a.word == "blue")
         assert blue.lights == (name,)
 
@@ -213,10 +200,7 @@ def test_a_rim_is_of_light_though_glasses_have_rims() -> None:
         objects={"Head": "subject", "Glasses Rims": "subject", "Hair": "subject"},
         materials={"Skin": "subject", "Frame": "subject", "Strands": "subject"},
         object_materials={"Head": ("Skin",), "Glasses Rims": ("Frame",), "Hair": ("Strands",)},
-        lights={
-            "Key Light": LightDescription("AREA", "key"),
-            "Rim Light": LightDescription("AREA", "rim", 150.0),
-        },
+        lights={"Key Light": LightDescription("AREA", "key"), "Rim Light": LightDescription("AREA", "rim", 150.0)},
     )
     for prompt in ("teal rim", "teal rim on her hair from the right"):
         (teal,) = (a for a in parse(prompt, scene).attributes if a.word == "teal")

@@ -68,21 +68,14 @@ def test_a_present_color_alone_names_what_has_it(prompt, meant):
     assert surfaces(prompt) == meant
 
 
-@pytest.mark.parametrize(
-    "prompt", ["the sky goes from blue to orange", "a backdrop gradient from red to blue"]
-)
+@pytest.mark.parametrize("prompt", ["the sky goes from blue to orange", "a backdrop gradient from red to blue"])
 def test_a_gradient_and_the_sky_are_no_change_of_an_object(prompt):
     assert not {name for owners in surfaces(prompt).values() for name in owners} & {"M1", "M2", "M3"}
 
 
 @pytest.mark.parametrize(
     ("prompt", "meant"),
-    [
-        ("walls in dusty pink", "M2"),
-        ("the roof is copper", "M1"),
-        ("white floor", "M4"),
-        ("a marble platform", "M4"),
-    ],
+    [("walls in dusty pink", "M2"), ("the roof is copper", "M1"), ("white floor", "M4"), ("a marble platform", "M4")],
 )
 def test_a_shape_says_what_a_structure_is(prompt, meant):
     assert set(surfaces(prompt).values()) == {(meant,)}
@@ -132,9 +125,7 @@ def test_an_object_that_shares_its_material_gets_a_copy_whoever_has_most_of_it()
         assert understood.scene.copies == {f"Paint (on {thing})": (thing,)}
 
 
-@pytest.mark.parametrize(
-    "prompt", ["make everything pink", "everything pink but the roof", "everything white"]
-)
+@pytest.mark.parametrize("prompt", ["make everything pink", "everything pink but the roof", "everything white"])
 def test_everything_can_be_painted(prompt):
     assert surfaces(prompt)
 
@@ -160,9 +151,7 @@ def test_changes_are_read_in_other_languages(prompt, meant):
 def test_a_room_has_walls_and_a_ground():
     looks = dict(LOOKS)
     looks["M3"] = MaterialLook(NAVY, share=0.15, worn={"Cube.002": 0.15}, structures=frozenset({"walls"}))
-    looks["M2"] = MaterialLook(
-        SAND, share=0.2, worn={"Cube.001": 0.2}, structures=frozenset({"wall", "walls"})
-    )
+    looks["M2"] = MaterialLook(SAND, share=0.2, worn={"Cube.001": 0.2}, structures=frozenset({"wall", "walls"}))
     room = dataclasses.replace(SCENE, looks=looks)
     assert surfaces("peach walls, walnut floor", room) == {"peach": ("M2", "M3"), "walnut": ("M4",)}
     assert surfaces("the ground is pink", room) == {"pink": ("M4",)}

@@ -65,9 +65,7 @@ def test_two_basic_colors_are_one_as_people_call_it() -> None:
 
 def test_shades_of_pale_and_of_strong_colors_are_what_people_call_so() -> None:
     """ "Dark cream" is no gray; "bright green" is brighter than green."""
-    off = distances(
-        held_out({"light", "dark", "pale", "bright"}, set(COLORS) - {*default_vocabulary().synonyms})
-    )
+    off = distances(held_out({"light", "dark", "pale", "bright"}, set(COLORS) - {*default_vocabulary().synonyms}))
     assert len(off) > 25
     assert off[len(off) // 2] < 6.5
     assert off[int(0.8 * len(off))] < 13.0
@@ -107,9 +105,7 @@ def test_what_no_color_can_be_stays_two(pair: str) -> None:
 
 
 def test_shades_of_mixtures_and_very() -> None:
-    plain, light, very = (
-        color_of(name) for name in ("bluish green", "light bluish green", "very light bluish green")
-    )
+    plain, light, very = (color_of(name) for name in ("bluish green", "light bluish green", "very light bluish green"))
     assert plain is not None
     assert light is not None
     assert very is not None

@@ -11,15 +11,7 @@ from proxy_renderer.words.lexicon.entries import COLOR_MODES, RANGE_MODES, parse
 from proxy_renderer.words.types import Attribute
 
 WORD = Attribute("word", "word", "finish", "subject", color=(0.2, 0.4, 0.6))
-NUMBERS = (
-    "0..0",
-    "0.1..0.2",
-    "-5..5",
-    "1e8..1e9",
-    "0.1,0.2..0.3,0.4",
-    "0.1,0.2,0.3..0.4,0.5,0.6",
-    "-1,-1,-1..0,0,0",
-)
+NUMBERS = ("0..0", "0.1..0.2", "-5..5", "1e8..1e9", "0.1,0.2..0.3,0.4", "0.1,0.2,0.3..0.4,0.5,0.6", "-1,-1,-1..0,0,0")
 
 
 @pytest.mark.parametrize(
@@ -57,9 +49,7 @@ def test_what_is_read_can_be_planned(mode):
             continue
         for numbers in ("@", "own", "#204080") if mode in COLOR_MODES else NUMBERS:
             try:
-                effect = parse_effect(
-                    f"{parameter.group}/{parameter.name} {mode} {numbers}".replace("  ", " ")
-                )
+                effect = parse_effect(f"{parameter.group}/{parameter.name} {mode} {numbers}".replace("  ", " "))
             except VibeError:
                 continue
             lower, upper = effect_range(effect, WORD, instance, Sources(SCENE, key=1.0))

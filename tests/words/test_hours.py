@@ -50,13 +50,7 @@ def test_a_time_that_is_told_is_the_one_that_is_named(told: str, meant: str) -> 
 
 @pytest.mark.parametrize(
     "prompt",
-    [
-        "two red lamps",
-        "red vase, 16:9",
-        "red vase, 8k, f/2",
-        "red cup before the window",
-        "twelve red cups in the sun",
-    ],
+    ["two red lamps", "red vase, 16:9", "red vase, 8k, f/2", "red cup before the window", "twelve red cups in the sun"],
 )
 def test_other_numbers_and_places_are_no_times(prompt: str) -> None:
     times = {"night", "pre dawn", "sunrise", "morning light", "noon", "golden hour", "sunset", "twilight"}

@@ -30,9 +30,7 @@ def test_a_number_of_kelvins_is_the_lights_temperature(prompt, kelvins):
 
 
 def test_each_light_gets_its_own():
-    assert temperatures("3200K key light, 6500 kelvin fill") == pytest.approx(
-        {"Key": 3200, "Fill": 6500, "Back": None}
-    )
+    assert temperatures("3200K key light, 6500 kelvin fill") == pytest.approx({"Key": 3200, "Fill": 6500, "Back": None})
 
 
 @pytest.mark.parametrize("prompt", ["4K render", "8k", "90000 K", "480k", "12 k"])

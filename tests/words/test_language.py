@@ -11,13 +11,7 @@ from pathlib import Path
 import pytest
 from plan_parts import LIGHTS, REFERENCES, SCENE, make_instances, make_plan
 
-from proxy_renderer.color.floats import (
-    lab_from_srgb,
-    linear_from_srgb,
-    luminance,
-    srgb_from_hex,
-    srgb_from_lab,
-)
+from proxy_renderer.color.floats import lab_from_srgb, linear_from_srgb, luminance, srgb_from_hex, srgb_from_lab
 from proxy_renderer.color.shades import basic
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.advice import as_dict, compose, explain
@@ -63,9 +57,7 @@ def test_vocabulary_is_large_and_every_effect_fits_the_schema():
     assert set(COLORS) <= set(vocabulary.colors)
     assert len(vocabulary.colors) >= 250
     effects = [
-        (e.name, f)
-        for e in vocabulary.entries.values()
-        for f in (*e.effects, *(f for m in e.never for f in m.effects))
+        (e.name, f) for e in vocabulary.entries.values() for f in (*e.effects, *(f for m in e.never for f in m.effects))
     ]
     effects += [(kind, f) for kind, some in vocabulary.painted.items() for f in some]
     assert len(effects) > 400
@@ -90,9 +82,7 @@ def test_every_entry_says_or_does_something_and_can_be_said():
             assert any(t.entry or t.color or t.adjective for t in tokens), word
 
 
-@pytest.mark.parametrize(
-    "line", ["material/roughnes 0..1", "sofa/size 0..1", "film/contrast 2..1", "film/contrast"]
-)
+@pytest.mark.parametrize("line", ["material/roughnes 0..1", "sofa/size 0..1", "film/contrast 2..1", "film/contrast"])
 def test_errors_in_a_vocabulary_are_named(line):
     with pytest.raises(VibeError):
         parse_effect(line)
@@ -144,10 +134,7 @@ PHRASINGS = [
 ]
 
 
-MISREAD = (
-    "bright noon, clear blue sky, sand",
-    "golden kitchen",
-)
+MISREAD = ("bright noon, clear blue sky, sand", "golden kitchen")
 """What the weights are known to misread; who fits them anew and mends one is told so."""
 
 
@@ -176,9 +163,7 @@ def test_swapping_the_words_swaps_the_regions():
     for one, other in (("red", "blue"), ("white", "black"), ("teal", "yellow"), ("pink", "dark green")):
         first = parse(f"{one} teapot, {other} background", SceneDescription())
         second = parse(f"{other} teapot, {one} background", SceneDescription())
-        colors = [
-            {wish.quantity: wish.attribute.entry for wish in goals_of(p).wishes} for p in (first, second)
-        ]
+        colors = [{wish.quantity: wish.attribute.entry for wish in goals_of(p).wishes} for p in (first, second)]
         assert colors[0]["color"] == colors[1]["surroundings_color"]
         assert colors[0]["surroundings_color"] == colors[1]["color"]
         texts = compose(first)
@@ -214,10 +199,7 @@ def test_dark_and_pale_materials_keep_their_hue():
     assert albedo["dark oak"][0] < 0.6 * albedo["oak"][0] < albedo["oak"][0] < albedo["very pale oak"][0]
     dark = make_plan("dark copper cup")
     assert dark["material/Body/metallic"].lower[0] > 0.9
-    assert (
-        dark["material/Body/base_color"].upper[0]
-        < make_plan("copper cup")["material/Body/base_color"].upper[0]
-    )
+    assert dark["material/Body/base_color"].upper[0] < make_plan("copper cup")["material/Body/base_color"].upper[0]
 
 
 def test_prompts_never_negate():
@@ -274,9 +256,7 @@ def test_negation_repels_a_positively_worded_picture():
     ],
 )
 def test_intensity_is_monotone(word, key, sign):
-    entries = [
-        make_plan(f"{degree} {word}")[key] for degree in ("slightly", "somewhat", "", "very", "extremely")
-    ]
+    entries = [make_plan(f"{degree} {word}")[key] for degree in ("slightly", "somewhat", "", "very", "extremely")]
     middles = [sign * (e.lower[0] + e.upper[0]) / 2 for e in entries]
     assert middles == sorted(middles)
     assert middles[0] < middles[2] < middles[4] or middles[0] < middles[2] <= middles[4]
@@ -314,9 +294,7 @@ def test_what_is_a_color_and_a_material_is_a_color_before_another_material():
 
 
 def test_an_adjective_says_more_than_the_place_that_it_describes():
-    dim, plain = (
-        make_plan(f"vase in a {words}")["world/strength"].upper[0] for words in ("dim museum", "museum")
-    )
+    dim, plain = (make_plan(f"vase in a {words}")["world/strength"].upper[0] for words in ("dim museum", "museum"))
     assert dim < 0.3 * plain
 
 
@@ -358,10 +336,7 @@ def test_ranges_are_always_legal():
     for seed in range(60):
         lights = draw.sample([*LIGHTS, ("Sun", "SUN", "other", 10.0)], draw.randint(0, 4))
         instances = make_instances(
-            seed,
-            lights,
-            textured=draw.choice([(), ("Body",), ("Floor", "Body")]),
-            environment=draw.random() < 0.5,
+            seed, lights, textured=draw.choice([(), ("Body",), ("Floor", "Body")]), environment=draw.random() < 0.5
         )
         lab = lambda: (draw.uniform(0, 100), draw.uniform(-60, 60), draw.uniform(-60, 60))  # noqa: E731
         picture = PictureStats({"subject": lab(), "surroundings": lab()}, (5.0, 40.0, 95.0))
@@ -376,9 +351,7 @@ def test_ranges_are_always_legal():
         for key, entry in plan_.items():
             instance = instances[key]
             assert len(entry.lower) == len(entry.upper) == len(instance.value)
-            for low, high, bottom, top in zip(
-                entry.lower, entry.upper, instance.lower, instance.upper, strict=True
-            ):
+            for low, high, bottom, top in zip(entry.lower, entry.upper, instance.lower, instance.upper, strict=True):
                 assert bottom <= low <= high <= top, (prompt, key, entry)
             assert entry.reason
             assert entry.priority is None or entry.priority >= 1

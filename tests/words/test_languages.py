@@ -94,11 +94,7 @@ def test_a_color_is_bound_to_the_thing_it_is_said_of(text, entry):
 
 @pytest.mark.parametrize(
     ("letters", "words"),
-    [
-        ("影はふんわり", ["影", "は", "ふんわり"]),
-        ("墙刷成白的", ["墙", "刷成", "白", "的"]),
-        ("C4D墙", ["C4D", "墙"]),
-    ],
+    [("影はふんわり", ["影", "は", "ふんわり"]), ("墙刷成白的", ["墙", "刷成", "白", "的"]), ("C4D墙", ["C4D", "墙"])],
 )
 def test_letters_without_spaces_are_cut_where_most_is_known(letters, words):
     assert cut(letters, {"影", "は", "黒い", "液", "墙", "白", "的"}) == words

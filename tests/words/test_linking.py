@@ -47,8 +47,7 @@ def test_what_names_nothing_is_said_and_not_used():
 
 
 @pytest.mark.parametrize(
-    "prompt",
-    ["warm light only on the bottle", "dust only on the table", "warm lamp, not on the wall", "wet table"],
+    "prompt", ["warm light only on the bottle", "dust only on the table", "warm lamp, not on the wall", "wet table"]
 )
 def test_other_words_link_nothing(prompt):
     assert links(prompt) == []

@@ -25,11 +25,7 @@ def scene(worn: dict[str, str]) -> SceneDescription:
 
 
 CAR = scene(
-    {
-        "Body": "Body",
-        "Cabin": "Cabin",
-        **{f"Wheel {i}": f"Tyre {n}" for i, n in enumerate(("", "Two", "Three"))},
-    }
+    {"Body": "Body", "Cabin": "Cabin", **{f"Wheel {i}": f"Tyre {n}" for i, n in enumerate(("", "Two", "Three"))}}
 )
 DUCK = scene({"Duck": "Duck", "Duck Head": "Duck Head", "Bill": "Beak"})
 TEAPOT = scene({"Teapot": "Glaze", "Lid": "Lid Glaze", "Handle": "Bamboo"})
@@ -52,10 +48,7 @@ def test_parts_of_a_kind_are_painted_alike_and_details_are_not():
     assert painted("red car", CAR, seen) == {"Body", "Cabin"}
     assert painted("golden tyres", CAR, seen) == {"Tyre ", "Tyre Two", "Tyre Three"}
     columns = scene({"Column 0": "Stone", "Column 1": "Stone.001", "Top": "Rope"})
-    assert painted("white columns", columns, {"Stone": 0.7, "Stone.001": 0.08, "Rope": 0.06}) == {
-        "Stone",
-        "Stone.001",
-    }
+    assert painted("white columns", columns, {"Stone": 0.7, "Stone.001": 0.08, "Rope": 0.06}) == {"Stone", "Stone.001"}
 
 
 def test_small_parts_that_look_like_the_large_ones_are_painted_with_them():
@@ -161,19 +154,13 @@ def test_a_named_color_comes_before_a_word_that_only_changes_one():
     [
         ("a rubber tire and a wooden desk", ("tire", "desk"), {"rubber": "tire", "wooden": "desk"}),
         ("a wooden spoon and a glass window", ("spoon", "window"), {"wooden": "spoon", "glass": "window"}),
-        (
-            "a fabric curtain and a fluffy towel",
-            ("curtain", "towel"),
-            {"fabric": "curtain", "fluffy": "towel"},
-        ),
+        ("a fabric curtain and a fluffy towel", ("curtain", "towel"), {"fabric": "curtain", "fluffy": "towel"}),
     ],
 )
 def test_a_material_before_a_thing_is_its_look_though_things_are_called_so(prompt, things, looks):
     worn = {thing: (thing,) for thing in things}
     scene = SceneDescription(
-        objects=dict.fromkeys(things, "subject"),
-        materials=dict.fromkeys(things, "subject"),
-        object_materials=worn,
+        objects=dict.fromkeys(things, "subject"), materials=dict.fromkeys(things, "subject"), object_materials=worn
     )
     assert {a.word: a.owners for a in parse(prompt, scene).attributes} == {w: (t,) for w, t in looks.items()}
 

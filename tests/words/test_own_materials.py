@@ -84,8 +84,7 @@ def test_what_cannot_be_copied_is_not_painted_and_one_line_says_so():
         ROOM,
         materials={long: "subject", "Material.006": "subject"},
         object_materials={
-            o: tuple(long if m == "Material" else m for m in worn)
-            for o, worn in ROOM.object_materials.items()
+            o: tuple(long if m == "Material" else m for m in worn) for o, worn in ROOM.object_materials.items()
         },
         looks={long: ROOM.looks["Material"], "Material.006": ROOM.looks["Material.006"]},
     )

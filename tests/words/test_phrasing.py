@@ -27,12 +27,7 @@ def said(prompt: str, scene: SceneDescription = TABLE) -> dict[str, tuple[str, .
 MEANT = [
     (
         "the cup is copper, the table matte white, the wall dark teal",
-        {
-            "copper metal": ("Cup",),
-            "matte": ("Table",),
-            "white": ("Table",),
-            "dark teal": ("Wall",),
-        },
+        {"copper metal": ("Cup",), "matte": ("Table",), "white": ("Table",), "dark teal": ("Wall",)},
     ),
     ("the lemon more yellow and the cup glossier", {"yellow": ("Lemon",), "glossy": ("Cup",)}),
     ("cup: cobalt blue; table: darker", {"cobalt blue": ("Cup",), "darker surface": ("Table",)}),
@@ -43,14 +38,8 @@ MEANT = [
     ("wihte cup, balck table", {"white": ("Cup",), "black": ("Table",)}),
     ("everything grey-blue", {"grey blue": ("Cup", "Table", "Lemon", "Wall")}),
     ("a cup left in the desert", {"desert": ("surroundings",)}),
-    (
-        "sleek white product shot",
-        {"studio light": ("light",), "glossy": ("subject",), "white": ("subject",)},
-    ),
-    (
-        "red cup, bright product shot",
-        {"red": ("Cup",), "bright light": ("light",), "studio light": ("light",)},
-    ),
+    ("sleek white product shot", {"studio light": ("light",), "glossy": ("subject",), "white": ("subject",)}),
+    ("red cup, bright product shot", {"red": ("Cup",), "bright light": ("light",), "studio light": ("light",)}),
     ("the wall dark teal in warm light", {"dark teal": ("Wall",), "warm light": ("light",)}),
     ("a cup in a dark garage", {"dark surroundings": ("surroundings",), "industrial": ("whole",)}),
     (
@@ -68,24 +57,13 @@ MEANT = [
     ("a strong light behind the cup", {"strong light": ("light",), "back light": ("light",)}),
     ("blue wall behind the cup", {"blue": ("Wall",)}),
     ("gold cup, black marble", {"gold": ("Cup",), "black marble": ("surroundings",)}),
-    (
-        "copper cup, polished concrete table",
-        {"copper metal": ("Cup",), "glossy": ("Table",), "concrete": ("Table",)},
-    ),
+    ("copper cup, polished concrete table", {"copper metal": ("Cup",), "glossy": ("Table",), "concrete": ("Table",)}),
     (
         "wet street, blue neon",
-        {
-            "wet": ("surroundings",),
-            "city street": ("surroundings",),
-            "blue": ("light",),
-            "neon light": ("light",),
-        },
+        {"wet": ("surroundings",), "city street": ("surroundings",), "blue": ("light",), "neon light": ("light",)},
     ),
     ("neon cup", {"neon": ("Cup",)}),
-    (
-        "jade cup, red temple",
-        {"jade": ("Cup",), "red": ("surroundings",), "cathedral interior": ("surroundings",)},
-    ),
+    ("jade cup, red temple", {"jade": ("Cup",), "red": ("surroundings",), "cathedral interior": ("surroundings",)}),
     ("a white cup at night", {"white": ("Cup",), "night": ("light",)}),
     ("copper cup, glowing", {"copper metal": ("Cup",), "glowing": ("Cup",)}),
     ("a red cup, a brass chandelier", {"red": ("Cup",)}),
@@ -131,8 +109,7 @@ def test_a_light_that_is_named_outshines_the_light_of_a_mood():
 
 
 @pytest.mark.parametrize(
-    ("prompt", "painted"),
-    [("neon pink light", ()), ("pink light", ()), ("red tail light", ("Tail Light Glass",))],
+    ("prompt", "painted"), [("neon pink light", ()), ("pink light", ()), ("red tail light", ("Tail Light Glass",))]
 )
 def test_light_is_no_thing_whose_name_has_that_word_too(prompt, painted):
     scene = SceneDescription(

@@ -63,10 +63,5 @@ def test_a_list_is_one_noun_besides_its_own():
 
 def test_a_list_over_a_comma_is_in_the_clause_that_it_ends_in():
     white = next(row for row in read("hut, ferry and pier white").pairs if row[0].look.text == "white")
-    facts = {
-        f
-        for pair in white
-        if len(pair.target.names) > 2 and pair.target.kind == "things"
-        for f in pair.features
-    }
+    facts = {f for pair in white if len(pair.target.names) > 2 and pair.target.kind == "things" for f in pair.features}
     assert "before, same clause: joined" in facts

@@ -25,12 +25,9 @@ def told(prompt, **targets):
 
 
 @pytest.mark.parametrize("word", ["copper", "glossy", "teal", "velvet"])
+@pytest.mark.parametrize("prompt", ["{} teapot, warm light", "the sofa in {}", "warm light and {}", "walls in {}"])
 @pytest.mark.parametrize(
-    "prompt", ["{} teapot, warm light", "the sofa in {}", "warm light and {}", "walls in {}"]
-)
-@pytest.mark.parametrize(
-    ("name", "material"),
-    [("Cube.003", "Material"), ("cube.004", "Material.001"), ("Material.002", "Material.002")],
+    ("name", "material"), [("Cube.003", "Material"), ("cube.004", "Material.001"), ("Material.002", "Material.002")]
 )
 def test_a_word_goes_where_it_is_told(word, prompt, name, material):
     attributes, parsed = told(prompt.format(word), **{word: name})
@@ -64,9 +61,7 @@ def test_a_word_that_the_prompt_lacks_is_told_of():
     assert any("copper" in note for note in parsed.notes)
 
 
-@pytest.mark.parametrize(
-    "pairs", [["copper"], ["=Cube.003"], ["copper="], ["copper=Teapot"], ["misty=Cube.003"]]
-)
+@pytest.mark.parametrize("pairs", [["copper"], ["=Cube.003"], ["copper="], ["copper=Teapot"], ["misty=Cube.003"]])
 def test_what_cannot_be_is_one_line_with_its_remedy(pairs):
     with pytest.raises(VibeError) as caught:
         _ = Understood("misty copper", SCENE, pairs).parsed

@@ -40,14 +40,7 @@ def unseen():
 def test_the_vocabulary_has_as_many_looks_as_it_promises():
     entries = shipped_vocabulary().entries
     assert len(entries) >= 350
-    assert {e.slot for e in entries.values()} >= {
-        "finish",
-        "material",
-        "lighting",
-        "atmosphere",
-        "grade",
-        "mood",
-    }
+    assert {e.slot for e in entries.values()} >= {"finish", "material", "lighting", "atmosphere", "grade", "mood"}
 
 
 def test_for_unseen_words_the_right_entry_is_mostly_offered(unseen):
@@ -61,9 +54,7 @@ def test_for_unseen_words_the_right_entry_is_mostly_offered(unseen):
 FLOOR = 0.86  # 0.89 when it was measured
 
 
-@pytest.mark.parametrize(
-    "word", ["quokka", "asdf", "dragon", "seventeen", "president", "idea", "xyzzy", "qwertz"]
-)
+@pytest.mark.parametrize("word", ["quokka", "asdf", "dragon", "seventeen", "president", "idea", "xyzzy", "qwertz"])
 def test_what_says_nothing_about_looks_is_no_look(word):
     assert not shipped_vocabulary().made(Nearest).may_be_a_look(word)
 
@@ -128,13 +119,7 @@ def test_a_thing_in_parts_is_meant_as_a_whole():
     assert {a.owners for a in parse("red sail", scene).attributes} == {("Cloth",)}
 
 
-@pytest.mark.parametrize(
-    "prompt",
-    [
-        "блестящий красный чайник",
-        "إضاءة دافئة",
-    ],
-)
+@pytest.mark.parametrize("prompt", ["блестящий красный чайник", "إضاءة دافئة"])
 def test_other_languages_are_one_clear_line(prompt):
     with pytest.raises(VibeError) as caught:
         parse(prompt, SceneDescription())
@@ -238,11 +223,7 @@ def test_composed_prompts_take_own_words(own):
 
 def test_a_mood_that_paints_is_refused_with_its_line(tmp_path):
     path = tmp_path / "words.toml"
-    path.write_text(
-        '[look.swampy]\nslot = "mood"\nwishes = ["film/contrast 1..1.1", "subject/roughness 0..0.2"]\n'
-    )
-    with pytest.raises(
-        VibeError, match=r"line 3: 'swampy' is of slot mood and may not change a material"
-    ) as error:
+    path.write_text('[look.swampy]\nslot = "mood"\nwishes = ["film/contrast 1..1.1", "subject/roughness 0..0.2"]\n')
+    with pytest.raises(VibeError, match=r"line 3: 'swampy' is of slot mood and may not change a material") as error:
         extend(shipped_vocabulary(), path)
     assert "finish, material" in error.value.remedy

@@ -137,9 +137,7 @@ def start_compositor(journal: Journal, scene: Scene) -> NodeTree:
     journal.set(scene, "use_nodes", True)
     for node in [n for n in tree.nodes if n.bl_idname == "CompositorNodeOutputFile"]:
         journal.set(node, "mute", True)
-    output = (
-        compositor_output(tree) or journal.node(tree, "CompositorNodeComposite", "Composite").inputs["Image"]
-    )
+    output = compositor_output(tree) or journal.node(tree, "CompositorNodeComposite", "Composite").inputs["Image"]
     journal.link(journal.node(tree, "CompositorNodeRLayers", "Render Layers").outputs["Image"], output)
     return tree
 

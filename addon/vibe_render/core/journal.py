@@ -250,9 +250,7 @@ def address(struct: bpy_struct) -> tuple[ID, str]:
     """The data-block that owns a struct, and the path from it to the struct; for an embedded node tree, the tree's owner."""
     root = struct.id_data
     # `path_from_id` does not work for a view layer's Cycles settings.
-    layer = next(
-        (each for each in getattr(root, "view_layers", ()) if getattr(each, "cycles", None) == struct), None
-    )
+    layer = next((each for each in getattr(root, "view_layers", ()) if getattr(each, "cycles", None) == struct), None)
     if layer:
         return root, f"{layer.path_from_id()}.cycles"
     path = "" if isinstance(struct, ID) else struct.path_from_id()

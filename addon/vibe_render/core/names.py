@@ -10,16 +10,7 @@ from bpy.types import ID, bpy_struct
 
 from .schema_import import schema
 
-_PARTS = (
-    "nodes",
-    "attributes",
-    "uv_layers",
-    "vertex_groups",
-    "modifiers",
-    "view_layers",
-    "bones",
-    "key_blocks",
-)
+_PARTS = ("nodes", "attributes", "uv_layers", "vertex_groups", "modifiers", "view_layers", "bones", "key_blocks")
 """Collections inside data-blocks whose items have a name, or refer to others by name."""
 _replaced: list[str] = []  # names that `note` has not reported yet
 

@@ -136,9 +136,7 @@ def worn(thing: Object, of: ViewLayer) -> list[Material | None]:
     """The material of each slot of an object in renders of a view layer; at least one entry, which may be None."""
     if override := of.material_override:
         return [override.original]
-    slots = [slot.material for slot in thing.material_slots] or list(
-        getattr(thing.data, "materials", None) or ()
-    )
+    slots = [slot.material for slot in thing.material_slots] or list(getattr(thing.data, "materials", None) or ())
     return [m.original if m else None for m in slots] or [None]
 
 

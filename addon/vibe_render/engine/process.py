@@ -39,10 +39,7 @@ class Engine:
     """
 
     def __init__(
-        self,
-        python: str = "",
-        cache: Path | None = None,
-        listener: Callable[[messages.Message], None] | None = None,
+        self, python: str = "", cache: Path | None = None, listener: Callable[[messages.Message], None] | None = None
     ) -> None:
         self._choice, self._listener = python, listener
         self._variables = {"VIBE_CACHE": str(cache)} if cache else {}
@@ -141,9 +138,7 @@ class Engine:
                     self.stop(patience=0.02)
                     self._abandoned = False
                 return not self._abandoned
-            self._abandoned = self._busy = isinstance(item, messages.Message) and not isinstance(
-                item, _ANSWERS
-            )
+            self._abandoned = self._busy = isinstance(item, messages.Message) and not isinstance(item, _ANSWERS)
         return True
 
     def stop(self, patience: float = 3.0) -> None:

@@ -40,9 +40,13 @@ _HELP = (
 
 _VERSIONS = ((3, 11), (3, 12), (3, 13))  # of Python, for which every package has wheels
 _PROGRESS = re.compile(r"Progress (\d+) of (\d+)")
-_UNREACHABLE = r"NewConnectionError|Temporary failure|Network is unreachable|ConnectTimeout|ProxyError|SSLError|ReadTimeoutError"
+_UNREACHABLE = (
+    r"NewConnectionError|Temporary failure|Network is unreachable|ConnectTimeout|ProxyError|SSLError|ReadTimeoutError"
+)
 _OUT_OF_REACH = "Check that pip's index can be reached from here, then press Set Up Engine again."
-_AGAIN = "Press Set Up Engine again, or install it by hand (docs/install.md, On the command line) and choose its Folder."
+_AGAIN = (
+    "Press Set Up Engine again, or install it by hand (docs/install.md, On the command line) and choose its Folder."
+)
 
 
 def find_python(chosen: str = "") -> Path:
@@ -67,9 +71,7 @@ def engine_environment() -> dict[str, str]:
     """The environment variables that the engine runs with."""
     variables = {k: v for k, v in os.environ.items() if k not in ("PYTHONHOME", "PYTHONSTARTUP")}
     # The engine's code that the extension carries, or the clone's: so add-on and engine have the same schema.
-    code = next(
-        (p for p in (CARRIED, _CLONE) if (p / "proxy_renderer" / "engine" / "worker.py").is_file()), None
-    )
+    code = next((p for p in (CARRIED, _CLONE) if (p / "proxy_renderer" / "engine" / "worker.py").is_file()), None)
     if code:
         paths = [str(code), *filter(None, [variables.get("PYTHONPATH")])]
         variables["PYTHONPATH"] = os.pathsep.join(paths)
@@ -79,9 +81,7 @@ def engine_environment() -> dict[str, str]:
 def has_engine(python: Path) -> bool:
     """True if this Python runs and finds the engine's packages; starts it, but imports none of them."""
     try:
-        done = subprocess.run(
-            [python, "-c", _PROBE], env=engine_environment(), capture_output=True, timeout=20
-        )
+        done = subprocess.run([python, "-c", _PROBE], env=engine_environment(), capture_output=True, timeout=20)
     except (OSError, subprocess.TimeoutExpired):
         return False
     return done.returncode == 0

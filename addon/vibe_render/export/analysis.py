@@ -130,9 +130,7 @@ def analyze(
     low, high = boxes[:, 0].min(0), boxes[:, 1].max(0)
     names = {n for keep, pair in zip(is_subject, geometry.objects, strict=True) if keep for n in pair if n}
     objects = tuple(o for o in scene.objects if o.name_full in names)
-    return SceneAnalysis(
-        scene, geometry, visible, is_subject, objects, tuple(low.tolist()), tuple(high.tolist())
-    )
+    return SceneAnalysis(scene, geometry, visible, is_subject, objects, tuple(low.tolist()), tuple(high.tolist()))
 
 
 def _no_mesh(scene: bpy.types.Scene) -> schema.VibeError:
@@ -142,9 +140,7 @@ def _no_mesh(scene: bpy.types.Scene) -> schema.VibeError:
         message = f'The scene "{scene.name}" has no mesh that a render shows.'
         return schema.VibeError(message, f'Save the file with another scene open: "{full[0]}" has meshes.')
     excluded = [c.name for c in rendered.layer(scene).layer_collection.children if c.exclude]
-    remedy = (
-        f'Include "{excluded[0]}" in the view layer.' if excluded else "Add one, or unhide it for renders."
-    )
+    remedy = f'Include "{excluded[0]}" in the view layer.' if excluded else "Add one, or unhide it for renders."
     return schema.VibeError("The scene has no mesh that a render shows.", remedy)
 
 

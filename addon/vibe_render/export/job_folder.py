@@ -36,9 +36,7 @@ def _finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, sc
             parameter = instance.parameter
             default = (parameter.default * instance.reference,) * parameter.components
             instance = replace(instance, value=default, locked=instance.locked or _REASON)
-            warnings.append(
-                f"{labels.title(key)} is not a number in Blender; the prediction takes {default[0]:g}."
-            )
+            warnings.append(f"{labels.title(key)} is not a number in Blender; the prediction takes {default[0]:g}.")
         finite[key] = instance
     return finite, warnings
 
@@ -46,10 +44,7 @@ def _finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, sc
 def _finite_content(value: Any, path: str, warnings: list[str]) -> Any:
     """A copy of nested dicts and lists with 0 in place of numbers that are not finite; adds a warning for each."""
     if isinstance(value, Mapping):
-        return {
-            key: _finite_content(item, f"{path}/{key}" if path else key, warnings)
-            for key, item in value.items()
-        }
+        return {key: _finite_content(item, f"{path}/{key}" if path else key, warnings) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [_finite_content(item, path, warnings) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
@@ -88,13 +83,9 @@ class SceneJob:
         return replace(self, instances={**self.instances, **added, **copied_values(self.instances, values)})
 
 
-def copied_values(
-    instances: Mapping[str, schema.Instance], keys: Iterable[str]
-) -> dict[str, schema.Instance]:
+def copied_values(instances: Mapping[str, schema.Instance], keys: Iterable[str]) -> dict[str, schema.Instance]:
     """The parameters of the copies of materials among `keys`, with the values of the copied materials."""
-    sources = {
-        key: instances.get(schema.material_copies.copied_key(key)) for key in keys if key not in instances
-    }
+    sources = {key: instances.get(schema.material_copies.copied_key(key)) for key in keys if key not in instances}
     return {key: replace(i, owner=schema.split_key(key)[1]) for key, i in sources.items() if i}
 
 
@@ -195,8 +186,7 @@ def _content(
         "lights": view.light_rows(analysis),
         "materials": _write_textures(analysis, materials, folder),
         "objects": [
-            {"name": name, "subject": bool(chosen), "hidden": sorted(hidden)}
-            for (name, _), chosen, hidden in flags
+            {"name": name, "subject": bool(chosen), "hidden": sorted(hidden)} for (name, _), chosen, hidden in flags
         ],
         "film": view.film_row(scene),
         "bounces": min(scene.cycles.max_bounces, scene.cycles.diffuse_bounces),
@@ -227,9 +217,7 @@ def _write_world(scene: bpy.types.Scene, folder: Path) -> tuple[dict[str, Any], 
     return row, pictures.note
 
 
-def _material_notes(
-    analysis: SceneAnalysis, materials: Mapping[str, ExportedMaterial]
-) -> dict[str, list[str]]:
+def _material_notes(analysis: SceneAnalysis, materials: Mapping[str, ExportedMaterial]) -> dict[str, list[str]]:
     """Notes on each visible material by name, the one that fills most of the image first."""
     seen = analysis.visible.material
     counts = np.bincount(seen[seen >= 0].ravel(), minlength=len(analysis.geometry.materials))
@@ -313,9 +301,4 @@ def _volume(analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]) -
         kind = "world"
     else:
         kind = "box" if density and density.value[0] > 0 else "none"
-    return {
-        "kind": kind,
-        "center": list(domain.center),
-        "half_size": list(domain.half_size),
-        "base": domain.base,
-    }
+    return {"kind": kind, "center": list(domain.center), "half_size": list(domain.half_size), "base": domain.base}

@@ -102,9 +102,7 @@ def computed_inputs(material: bpy.types.Material | None) -> dict[str, ValueOrigi
     mixture = Mixture.of(material)
     entries = {name: layers.entry(material, socket) for name, socket in COMPUTED.items()}
     outputs: dict[str, ValueOrigin | None] = dict(mixture.channels())
-    outputs |= {
-        name: o for name, each in entries.items() if each and (o := inputs.artists_origin(each)).source
-    }
+    outputs |= {name: o for name, each in entries.items() if each and (o := inputs.artists_origin(each)).source}
     outputs.pop("base_color", None)
     if len(mixture.colors) == 1 and mixture.colors[0].source:
         outputs["base_color"] = mixture.colors[0]
@@ -114,9 +112,7 @@ def computed_inputs(material: bpy.types.Material | None) -> dict[str, ValueOrigi
     return {**outputs, "normal": None} if bumps and "normal" not in outputs else outputs
 
 
-def export_material(
-    material: bpy.types.Material | None, measured: Mapping[str, MeasuredChannel]
-) -> ExportedMaterial:
+def export_material(material: bpy.types.Material | None, measured: Mapping[str, MeasuredChannel]) -> ExportedMaterial:
     """Describes a material (None: faces without one), given the measurements of its `computed_inputs`."""
     if material is None:
         values = {**DEFAULTS, **APPROXIMATE["ShaderNodeBsdfDiffuse"]}
@@ -134,9 +130,7 @@ def export_material(
     if not shown:
         output = material.node_tree.get_output_node("CYCLES")
         # Cycles shows a surface without a shader black.
-        black = rendered.is_holdout(material) or not (
-            output and trails.active_links(output.inputs["Surface"])
-        )
+        black = rendered.is_holdout(material) or not (output and trails.active_links(output.inputs["Surface"]))
         notes.append(f"A shader that is not known is shown {'black' if black else 'gray'}")
         values = {**DEFAULTS, **(BLACK if black else {})}
         row = _row(material.name_full, "approximate")
@@ -180,9 +174,7 @@ def _constants(base: layers.Layer, mixture: Mixture, row: dict[str, Any]) -> Non
         entry = base.shader.input(socket)
         if entry is not None:
             value = entry.default_value
-            row["constants"][name] = (
-                [float(v) for v in value[:3]] if hasattr(value, "__len__") else float(value)
-            )
+            row["constants"][name] = [float(v) for v in value[:3]] if hasattr(value, "__len__") else float(value)
     if ior := mixture.coat_ior(base):
         row["constants"]["coat_ior"] = ior
     alpha = base.shader.node.inputs.get("Alpha")
@@ -191,10 +183,7 @@ def _constants(base: layers.Layer, mixture: Mixture, row: dict[str, Any]) -> Non
 
 
 def _mixed(
-    result: ExportedMaterial,
-    material: bpy.types.Material,
-    mixture: Mixture,
-    measured: Mapping[str, MeasuredChannel],
+    result: ExportedMaterial, material: bpy.types.Material, mixture: Mixture, measured: Mapping[str, MeasuredChannel]
 ) -> None:
     """Adds the sums of mixed shaders: base color, opacity, and emission color times the share of the Emission node."""
     window = next((c.picture for name, c in measured.items() if name.startswith("mix")), None)

@@ -297,9 +297,7 @@ def capture_plane(corners: np.ndarray, pivot: np.ndarray, distance: float) -> Ca
     right /= np.linalg.norm(right)
     axes = np.column_stack((right, np.cross(out, right), out))
     flat = (points - pivot) @ axes
-    low, high = (
-        np.clip(f(flat, axis=0)[:2], -_REACH * distance, _REACH * distance) for f in (np.min, np.max)
-    )
+    low, high = (np.clip(f(flat, axis=0)[:2], -_REACH * distance, _REACH * distance) for f in (np.min, np.max))
     if (high - low).min() <= 0:
         return None
     middle = np.append((low + high) / 2, flat[0, 2])

@@ -62,9 +62,7 @@ def view_notes(analysis: SceneAnalysis) -> list[str]:
     low, high = analysis.geometry.boxes[number]
     eye = np.array(analysis.scene.camera.matrix_world.translation)
     if ((low < eye) & (eye < high)).all():
-        return [
-            f'The camera is inside "{name}" and sees nothing else: move it out, or hide "{name}" in renders.'
-        ]
+        return [f'The camera is inside "{name}" and sees nothing else: move it out, or hide "{name}" in renders.']
     return []
 
 

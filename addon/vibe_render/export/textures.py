@@ -139,9 +139,7 @@ def shrink(image: np.ndarray, longest: int) -> np.ndarray:
     return blocks.mean((1, 3))
 
 
-def plain_image(
-    source: bpy.types.NodeSocket | None, outputs: tuple[str, ...] = ("Color",)
-) -> bpy.types.Node | None:
+def plain_image(source: bpy.types.NodeSocket | None, outputs: tuple[str, ...] = ("Color",)) -> bpy.types.Node | None:
     """The image texture node behind an output, if it lays a still, decodable image flat over a UV map; else None."""
     while source is not None and source.node.type == "REROUTE":
         links = active_links(source.node.inputs[0])
@@ -208,8 +206,6 @@ def _reads_uv_only(source: bpy.types.NodeSocket) -> bool:
             place = node.inputs.get("Vector")  # textures of one dimension have none
             if place and not active_links(place):
                 return False
-        elif node.bl_idname not in _PURE or (
-            node.bl_idname == "ShaderNodeTexImage" and node.projection != "FLAT"
-        ):
+        elif node.bl_idname not in _PURE or (node.bl_idname == "ShaderNodeTexImage" and node.projection != "FLAT"):
             return False
     return True

@@ -166,9 +166,7 @@ def light_notes(scene: bpy.types.Scene) -> list[str]:
     for obj in sorted(rendered.shown(scene), key=lambda o: o.name_full):
         linking = obj.light_linking
         if linking.blocker_collection:
-            notes.append(
-                f"Shadow linking of {obj.name} is left out: in the prediction all objects cast its shadows."
-            )
+            notes.append(f"Shadow linking of {obj.name} is left out: in the prediction all objects cast its shadows.")
         surfaces = rendered.worn(obj, rendered.layer(scene)) if obj.type in rendered.GEOMETRY else []
         glows = any(layers.emitted_radiance(material) > 0.0 for material in surfaces if material)
         if linking.receiver_collection and glows:
@@ -196,9 +194,7 @@ def _unlit_objects(light: Object, objects: Sequence[tuple[str, str]]) -> list[in
     by_state = light_links.states(collection).values()
     included, excluded = ({o.name_full for o in linked} for linked in by_state)
     rows = [{name for name in names if name} for names in objects]
-    return [
-        number for number, names in enumerate(rows) if names & excluded or (included and not names & included)
-    ]
+    return [number for number, names in enumerate(rows) if names & excluded or (included and not names & included)]
 
 
 def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, schema.Instance]]:
@@ -220,9 +216,7 @@ def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[
     return rows, ours
 
 
-def standby_backdrop(
-    analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]
-) -> dict[str, schema.Instance]:
+def standby_backdrop(analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]) -> dict[str, schema.Instance]:
     """The parameters (by key) of a backdrop that the world may get; none if the render does not show the world."""
     scene, shown = analysis.scene, analysis.visible.object
     mine = np.append(analysis.is_subject, False)[shown]

@@ -45,9 +45,7 @@ def pictures(world: bpy.types.World | None) -> WorldPictures:
     return WorldPictures(image, backdrop, note)
 
 
-def _environment(
-    world: bpy.types.World, background: trails.NodeInGroups | None
-) -> tuple[np.ndarray | None, str]:
+def _environment(world: bpy.types.World, background: trails.NodeInGroups | None) -> tuple[np.ndarray | None, str]:
     """The image of a single Background, not rotated (None for one color), and a note on what is approximated."""
     color = background.entry("Color") if background else None
     origin = inputs.artists_origin(color) if color else None

@@ -47,9 +47,7 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         names = _COMMANDS.get(args.command)
         more = args.command == "run" and len(args.words) > 1
         if names is None or (len(args.words) != len(names) + 1 and not more):
-            raise schema.VibeError(
-                f"Unknown command {' '.join(args.words)!r}.", f"Use {', '.join(_COMMANDS)}."
-            )
+            raise schema.VibeError(f"Unknown command {' '.join(args.words)!r}.", f"Use {', '.join(_COMMANDS)}.")
         for name, word in zip(names, args.words[1:]):  # noqa: B905  those of several follow
             setattr(args, name, word)
     args.scenes = args.words[1:] if args.command == "run" and args.words else [args.scene]
@@ -64,9 +62,7 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
             one = next((name for name in ("then", "check_every", "offset_keys") if getattr(args, name)), "")
             if one:
                 flag = options.named(one).flag
-                raise schema.VibeError(
-                    f"{flag} is for one shot.", "Leave out more scenes, --cameras and --frames."
-                )
+                raise schema.VibeError(f"{flag} is for one shot.", "Leave out more scenes, --cameras and --frames.")
         args.groups = checks.groups(args.groups)
         checks.locks(args.lock)
         checks.targets(args.target)

@@ -145,9 +145,7 @@ def revert(args: argparse.Namespace, reporter: Reporter) -> None:
     path = Path(bpy.data.filepath)
     scenes = [scene for scene in bpy.data.scenes if snapshot.exists(scene)]
     if not scenes:
-        raise schema.VibeError(
-            f"{path.name} holds no vibe to revert.", "Only a vibed .blend can be reverted."
-        )
+        raise schema.VibeError(f"{path.name} holds no vibe to revert.", "Only a vibed .blend can be reverted.")
     if not os.access(path, os.W_OK):  # replacing a file does not need write permission for it
         remedy = "Make it writable, or copy it to where it can be changed."
         raise schema.VibeError(f"{path.name} is read-only.", remedy)

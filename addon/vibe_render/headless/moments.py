@@ -128,9 +128,7 @@ def _rows(found: list[Moment], reports: list[dict[str, Any]]) -> list[dict[str, 
     ]
 
 
-def _closing(
-    found: list[Moment], reports: list[dict[str, Any]], notes: list[str]
-) -> tuple[list[str], bool, list[str]]:
+def _closing(found: list[Moment], reports: list[dict[str, Any]], notes: list[str]) -> tuple[list[str], bool, list[str]]:
     """Arguments for `Reporter.result`: closing lines, whether a search was stopped, and the words that are not visible."""
     lines, missing = [f"Note: {note}" for note in notes], []
     for moment, report in zip(found, reports, strict=True):

@@ -59,9 +59,7 @@ def open_blend(path: Path) -> None:
             bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
     except RuntimeError as error:
         reason = str(error).strip().splitlines()[-1].removeprefix("Error: ").rstrip(".")
-        raise schema.VibeError(
-            f"{path.name} cannot be opened: {reason}.", "Check that it is a .blend."
-        ) from error
+        raise schema.VibeError(f"{path.name} cannot be opened: {reason}.", "Check that it is a .blend.") from error
 
 
 def save_blend(path: Path) -> None:
@@ -69,9 +67,7 @@ def save_blend(path: Path) -> None:
     # Operators evaluate the scene before and after they run, so fluids are on only while the file is written.
     try:
         with _at("save_pre", lambda: _set_fluids(True)), _at("save_post", lambda: _set_fluids(False)):
-            bpy.ops.wm.save_as_mainfile(
-                filepath=str(path), copy=True, relative_remap=True, check_existing=False
-            )
+            bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, relative_remap=True, check_existing=False)
     except RuntimeError as error:
         raise files.unwritable(path, error, "Make room there, or choose another --out.") from error
 

@@ -115,10 +115,7 @@ def _warnings(shot_list: ShotList, result: messages.Result) -> list[str]:
 
 
 def closing_lines(
-    shot_list: ShotList,
-    result: messages.Result,
-    measured: Sequence[messages.Finished],
-    skipped: dict[str, str],
+    shot_list: ShotList, result: messages.Result, measured: Sequence[messages.Finished], skipped: dict[str, str]
 ) -> list[str]:
     """The lines to print at the end of a vibe; see `report_fields` for the arguments."""
     values = {k: v for k, v in result.values.items() if k not in skipped}
@@ -126,9 +123,7 @@ def closing_lines(
     own = shot_list.jobs[0].before
     lines = [f"Note: {note}" for note in notes] + change_lines(own | copied_values(own, values), values)
     if result.variants:
-        lines.append(
-            f"{len(result.variants)} variants on variants.png; `vibe apply preset-2.json` takes the second."
-        )
+        lines.append(f"{len(result.variants)} variants on variants.png; `vibe apply preset-2.json` takes the second.")
     lines += verdict_lines(measured[0].verdicts)
     lines += model_lines(result.report, measured[0].judge)
     for shot, each in zip(shot_list.shots, measured, strict=True):
@@ -142,8 +137,7 @@ def closing_lines(
 def sequence_rows(frames: Sequence[CheckedFrame]) -> list[dict[str, Any]]:
     """Rows of report.json for checked frames."""
     return [
-        {"frame": each.frame, "lost": each.lost}
-        | ({"note": each.note} if each.note else {"verdicts": each.verdicts})
+        {"frame": each.frame, "lost": each.lost} | ({"note": each.note} if each.note else {"verdicts": each.verdicts})
         for each in frames
     ]
 

@@ -187,9 +187,7 @@ def export_assets(
         # Write the copies to the .blend, and their catalogs to the asset library that contains it.
         blocks = {block for block, _ in crate.assets}
         with whole(path) as part:
-            bpy.data.libraries.write(
-                str(part), blocks, path_remap="RELATIVE_ALL", fake_user=True, compress=True
-            )
+            bpy.data.libraries.write(str(part), blocks, path_remap="RELATIVE_ALL", fake_user=True, compress=True)
         libraries = [library.path for library in bpy.context.preferences.filepaths.asset_libraries]
         catalogs = dict.fromkeys(f"{_TOP}/{catalog}" for _, catalog in crate.assets)
         add_catalogs(catalog_root(path.parent, libraries), catalogs)

@@ -144,9 +144,7 @@ def delete_preset(look: Look) -> None:
         look.path.unlink(missing_ok=True)
         look.picture.unlink(missing_ok=True)
     except OSError as error:
-        raise schema.VibeError(
-            f"{look.path} cannot be deleted: {error.strerror}.", "Check its permissions."
-        ) from error
+        raise schema.VibeError(f"{look.path} cannot be deleted: {error.strerror}.", "Check its permissions.") from error
 
 
 def import_preset(path: Path) -> Look:

@@ -31,9 +31,7 @@ def neutral_grade() -> dict[str, tuple[float, ...]]:
     return {p.name: (p.default,) * p.components for p in rows}
 
 
-def graded_colors(
-    colors: np.ndarray, values: Mapping[str, Sequence[float]], below_black: bool = False
-) -> np.ndarray:
+def graded_colors(colors: np.ndarray, values: Mapping[str, Sequence[float]], below_black: bool = False) -> np.ndarray:
     """Applies the grade to colors (N, 3), scene-linear Rec.709, at least 0.
 
     Args:

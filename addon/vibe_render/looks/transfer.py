@@ -84,9 +84,7 @@ def role_owners(scene: SceneParameters, role: str) -> list[str]:
     if group not in ("material", "light"):
         return [""]
     theirs = {i.owner for i in scene.instances.values() if i.parameter.group == group and i.role == role}
-    order = (
-        visible_areas(scene.analysis) if group == "material" else {o: _brightness(scene, o) for o in theirs}
-    )
+    order = visible_areas(scene.analysis) if group == "material" else {o: _brightness(scene, o) for o in theirs}
     return sorted(theirs, key=lambda owner: (-order.get(owner, 0), owner))
 
 
@@ -117,9 +115,7 @@ def _kind(light: str) -> str:
     return schema.added_lights.ADDED_LIGHTS[light].type
 
 
-def _entry(
-    scene: SceneParameters, group: str, owner: str, values: Mapping[str, Sequence[float]]
-) -> preset.Entry:
+def _entry(scene: SceneParameters, group: str, owner: str, values: Mapping[str, Sequence[float]]) -> preset.Entry:
     """The changed values of one owner, by parameter name, as multiples of the scene's reference lengths.
 
     A light's azimuth is counted from the camera's, -180 to 180 degrees.
@@ -302,6 +298,4 @@ def grade_values(scene: bpy.types.Scene) -> dict[str, tuple[float, ...]]:
         return {}
     rows = [row for row in bindings.BINDINGS if row.parameter.name in lut.neutral_grade()]
     sockets = {row: nodes[0].inputs[row.parameter.blender.rpartition(" > ")[2]] for row in rows}
-    return {
-        row.parameter.name: row.codec.decode(socket_slot(socket).get()) for row, socket in sockets.items()
-    }
+    return {row.parameter.name: row.codec.decode(socket_slot(socket).get()) for row, socket in sockets.items()}

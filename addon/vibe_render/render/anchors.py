@@ -71,9 +71,7 @@ def render_anchor(
 def _emitters(scene: Scene) -> dict[str, list[bpy.types.ID]]:
     """Owner ("light/NAME" or "world") to the data-blocks of its light group; lights with the same data share a group."""
     sharing = light_groups.sharing_data(light_groups.all_lights(scene))
-    emitters: dict[str, list[bpy.types.ID]] = {
-        f"light/{name}": [*members] for name, members in sharing.items()
-    }
+    emitters: dict[str, list[bpy.types.ID]] = {f"light/{name}": [*members] for name, members in sharing.items()}
     if world := rendered.world(scene):
         emitters["world"] = [world]
     return {owner: members for owner, members in emitters.items() if all(m.is_editable for m in members)}

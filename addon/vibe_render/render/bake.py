@@ -80,8 +80,7 @@ def render_passes(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
             passes.setdefault(owner[len(layer.name) + 1 :], {})[letter] = values
     order = "RGBAXYZW"
     return {
-        name: np.stack([letters[k] for k in sorted(letters, key=order.index)], -1)
-        for name, letters in passes.items()
+        name: np.stack([letters[k] for k in sorted(letters, key=order.index)], -1) for name, letters in passes.items()
     }
 
 

@@ -78,9 +78,7 @@ def is_light(block: ID) -> bool:
 
 def all_lights(scene: Scene) -> list[Object]:
     """The lights that a render shows, also those of instances, each once."""
-    return list(
-        dict.fromkeys([*rendered.lights(scene), *(each for each, _ in rendered.instanced_lights(scene))])
-    )
+    return list(dict.fromkeys([*rendered.lights(scene), *(each for each, _ in rendered.instanced_lights(scene))]))
 
 
 def sharing_data(lights: Iterable[Object]) -> dict[str, list[Object]]:

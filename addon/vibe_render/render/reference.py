@@ -100,9 +100,7 @@ def _save_slot(scene: bpy.types.Scene, slot: int, folder: Path) -> Path:
             slots.active_index = slot - 1
             result.save_render(str(path), scene=scene)
         except RuntimeError as error:
-            raise schema.VibeError(
-                f"Render slot {slot} is empty.", "Render into it, or choose another one."
-            ) from error
+            raise schema.VibeError(f"Render slot {slot} is empty.", "Render into it, or choose another one.") from error
         finally:
             slots.active_index = shown
     return path

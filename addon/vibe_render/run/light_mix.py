@@ -84,9 +84,7 @@ class RenderedMix:
 
 
 def _channels(scene: Scene, layers: Sequence[LightLayer]) -> list[MixChannel]:
-    instances = bindings.instances(
-        scene, (), (0.0, 0.0, 0.0), ("light", "material", "world"), everything=True
-    )
+    instances = bindings.instances(scene, (), (0.0, 0.0, 0.0), ("light", "material", "world"), everything=True)
     worn = [_emitting(scene, layer) for layer in layers]
     channels = []
     for number, layer in enumerate(layers):

@@ -76,9 +76,7 @@ def show(scene: bpy.types.Scene, steps: Steps) -> None:
     steps.store(scene)
 
 
-def choose(
-    scene: bpy.types.Scene, number: int, variant: messages.Variant, subject: Sequence[bpy.types.Object]
-) -> None:
+def choose(scene: bpy.types.Scene, number: int, variant: messages.Variant, subject: Sequence[bpy.types.Object]) -> None:
     """Writes another variant of the last vibe, by its number, in place of the one that is in the scene."""
     settings, steps = scene.vibe, Steps.of(scene)
     current = bindings.read(scene, subject, steps.pivot)
@@ -153,9 +151,7 @@ def keyframe(scene: bpy.types.Scene) -> list[str]:
     base = {key: list(before) for key, before in changes.items()}
     for moment in found:  # what the artist has deleted does not come back
         moment.values = {key: value for key, value in moment.values.items() if key in current}
-    return moments.show(
-        scene, [*found, Moment(scene.frame_current, settings.vibed_prompt, values, base, pivot)]
-    )
+    return moments.show(scene, [*found, Moment(scene.frame_current, settings.vibed_prompt, values, base, pivot)])
 
 
 def keep(scene: bpy.types.Scene) -> None:

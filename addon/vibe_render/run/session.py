@@ -261,11 +261,7 @@ class Session(SceneSession):
             if not self._change.first:
                 self._options = replace(self._options, goes_on=True, like="", target=(), variants=1)
             options = asdict(self._options)
-            self._ask(
-                messages.Vibe(
-                    schema.schema_hash(), str(self._job), self.prompt, options, self._key, looks=True
-                )
-            )
+            self._ask(messages.Vibe(schema.schema_hash(), str(self._job), self.prompt, options, self._key, looks=True))
             self.stage = "Warming up the engine"
             engine_result = yield from self._answer(messages.Result)
             # In other modes one undo would not take the vibe back.

@@ -228,9 +228,7 @@ def put(
     rest = dict.fromkeys(values, "there is nothing of that name in this scene")
     owners = {owner for group, owner, _ in map(schema.split_key, values) if group == "light"}
     add_lights(journal, scene, owners, subject)
-    prepare.add_copies(
-        journal, scene, {o for group, o, _ in map(schema.split_key, values) if group == "material"}
-    )
+    prepare.add_copies(journal, scene, {o for group, o, _ in map(schema.split_key, values) if group == "material"})
     context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot), everything=True)
     for row, owner, slot in list(slots(context)):
         key = row.parameter.key(owner.name)
@@ -239,15 +237,11 @@ def put(
         rest[key] = owner.locked or slot.locked
         if not rest[key]:
             slot.set(journal, row.codec.encode(tuple(map(float, values[key]))))
-    rest |= dict.fromkeys(filter(schema.light_links.link_of, values), "") | light_links.put(
-        journal, scene, values
-    )
+    rest |= dict.fromkeys(filter(schema.light_links.link_of, values), "") | light_links.put(journal, scene, values)
     return {key: reason for key, reason in rest.items() if reason}
 
 
-def add_lights(
-    journal: Journal, scene: Scene, names: Collection[str], subject: Sequence[Object]
-) -> list[Object]:
+def add_lights(journal: Journal, scene: Scene, names: Collection[str], subject: Sequence[Object]) -> list[Object]:
     """Adds the `ADDED_LIGHTS` in `names` that the scene lacks, placed around the subject, or around all meshes without one."""
     known = schema.added_lights.ADDED_LIGHTS
     missing = [name for name in known if name in names and name not in scene.objects]

@@ -133,9 +133,7 @@ def material_tint(name: str, context: SceneContext, material: Material) -> Value
     return _of_all(partial(layers.colors, material), TINT, name, plain=len(layers.colors(material)) > 1)
 
 
-def _of_all(
-    find: Callable[[], list[NodeEntry]], inset: Inset, name: str, plain: bool = True
-) -> ValueSlot | None:
+def _of_all(find: Callable[[], list[NodeEntry]], inset: Inset, name: str, plain: bool = True) -> ValueSlot | None:
     """One slot for an input of the insets on all node inputs that `find` returns; `plain` as for `Inset.slot`."""
 
     def entry(number: int) -> NodeEntry:

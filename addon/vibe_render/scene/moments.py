@@ -243,9 +243,7 @@ def _flags(values: Mapping[int, bool]) -> dict[int, bool]:
     return {frame: held[frame] for frame in (frames[0], *changes)}
 
 
-def _curves(
-    owner: bpy_struct, name: str, values: dict[int | None, Any], frames: Sequence[int]
-) -> list[Track]:
+def _curves(owner: bpy_struct, name: str, values: dict[int | None, Any], frames: Sequence[int]) -> list[Track]:
     """A curve for each component of a property that changes, with keys at the moments and as few between as possible.
 
     `values` are by frame; the frame None, the scene without looks, is removed. `frames` are those of the moments.

@@ -17,9 +17,7 @@ from ..core.value_slots import PropertySlot, same
 from .light_types import type_of
 
 
-def orbit_matrix(
-    pivot: Sequence[float] | np.ndarray, azimuth: float, elevation: float, distance: float
-) -> Matrix:
+def orbit_matrix(pivot: Sequence[float] | np.ndarray, azimuth: float, elevation: float, distance: float) -> Matrix:
     """World matrix of a camera or light on an orbit (angles in degrees, see `schema.orbit`), looking at the pivot."""
     rotation = Matrix(schema.orbit.frame(azimuth, elevation)).to_4x4()
     place = Vector(pivot) + distance * Vector(schema.orbit.direction(azimuth, elevation))

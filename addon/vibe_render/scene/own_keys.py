@@ -64,9 +64,7 @@ def release(scene: Scene) -> None:
     if not are_held(scene):
         return
     newest = {
-        (e["id"], e["path"], held_name(c)): (e, b, c)
-        for e, b, c in snapshot.load(scene).curves("held")
-        if c.mute
+        (e["id"], e["path"], held_name(c)): (e, b, c) for e, b, c in snapshot.load(scene).curves("held") if c.mute
     }
     for entry, block, curve in newest.values():
         with suppress(ValueError, AttributeError):  # the artist has removed what it animates

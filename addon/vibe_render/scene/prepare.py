@@ -119,9 +119,7 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
         distance = (wall - pivot).length - _CLEAR * (wall - start).length
     kind = LIGHT_TYPES[what.type]
     setattr(data, kind.extent_property, size * distance if kind.has_position else radians(_SUN))
-    data.energy = brightness * schema.radiometry.unit_energy(
-        what.type, distance if kind.has_position else 1.0
-    )
+    data.energy = brightness * schema.radiometry.unit_energy(what.type, distance if kind.has_position else 1.0)
     light.visible_camera = False
     # a sun's place has no effect: at the pivot, its card turns with it around the subject
     light.matrix_world = orbit_matrix(pivot, front + azimuth, elevation, 0.0 if what.pattern else distance)
@@ -147,9 +145,7 @@ def _add_card(journal: Journal, light: Object, pattern: str, size: float) -> Obj
     lights = schema.added_lights
     quads = lights.card(pattern, size)
     mesh = owned.new(journal, "meshes", lights.CARD)
-    mesh.from_pydata(
-        [(*c, 0.0) for q in quads for c in q], [], [range(4 * i, 4 * i + 4) for i in range(len(quads))]
-    )
+    mesh.from_pydata([(*c, 0.0) for q in quads for c in q], [], [range(4 * i, 4 * i + 4) for i in range(len(quads))])
     card = owned.new(journal, "objects", lights.CARD, mesh)
     card.parent = light
     card.location = (0.0, 0.0, lights.CARD_AWAY * size)
@@ -209,9 +205,7 @@ def _light_of_mesh(mesh: bpy.types.Mesh, matrix: np.ndarray, strengths: list[flo
     count = len(mesh.polygons)
     area = array(mesh.polygons, "area", (count,), float)
     index = array(mesh.polygons, "material_index", (count,), np.int32)
-    way = (
-        array(mesh.polygons, "center", (count, 3), float) @ matrix[:3, :3].T + matrix[:3, 3] - np.array(place)
-    )
+    way = array(mesh.polygons, "center", (count, 3), float) @ matrix[:3, :3].T + matrix[:3, 3] - np.array(place)
     scale = abs(np.linalg.det(matrix[:3, :3])) ** (2.0 / 3.0)
     strength = np.array(strengths)[np.clip(index, 0, len(strengths) - 1)]
     factor = np.minimum(0.5 * scale * area / (pi * np.maximum((way**2).sum(1), 1e-6)), 1.0)
@@ -237,9 +231,7 @@ EVERYTHING = frozenset({"subject"})
 """The names to give to `described_materials` if words may describe the whole subject."""
 
 
-def described_materials(
-    shared: dict[Material, list[Object]], names: frozenset[str]
-) -> dict[Material, list[Object]]:
+def described_materials(shared: dict[Material, list[Object]], names: frozenset[str]) -> dict[Material, list[Object]]:
     """The `shared` materials that have one of the names or are on objects with one; all of them for `EVERYTHING`."""
     if names >= EVERYTHING:
         return shared
@@ -277,9 +269,7 @@ def _materials_of(obj: Object) -> set[Material]:
     return {slot.material for slot in obj.material_slots if slot.material}
 
 
-def _replace_material(
-    journal: Journal, obj: Object, inside: set[Object], old: Material, new: Material
-) -> None:
+def _replace_material(journal: Journal, obj: Object, inside: set[Object], old: Material, new: Material) -> None:
     """Replaces a material in an object's slots, but not in a mesh that objects outside of `inside` use too."""
     for slot in obj.material_slots:
         if slot.material != old:

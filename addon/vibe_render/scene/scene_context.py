@@ -143,9 +143,7 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
 def _set_lock(scene: Scene, light: Object) -> str:
     """The reason why a light must be left alone: it is only in a background set. "" for other lights."""
     behind = [each for each in rendered.scenes(scene)[1:] if each in light.users_scene]
-    return (
-        f'it is in the background set "{behind[0].name}"' if behind and scene not in light.users_scene else ""
-    )
+    return f'it is in the background set "{behind[0].name}"' if behind and scene not in light.users_scene else ""
 
 
 def light_lengths(distance: float) -> dict[str, float]:
@@ -159,8 +157,7 @@ def _light_distances(context: SceneContext) -> dict[Object, float]:
     After the scene's own lights come those that only instances show: one for each data-block, at its nearest instance.
     """
     distances = {
-        o: max((o.matrix_world.translation - context.pivot).length, 1e-3)
-        for o in rendered.lights(context.scene)
+        o: max((o.matrix_world.translation - context.pivot).length, 1e-3) for o in rendered.lights(context.scene)
     }
     here = {o.data for o in distances}
     first: dict[Light, Object] = {}

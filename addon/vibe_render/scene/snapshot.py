@@ -116,9 +116,7 @@ def undone(scene: Scene) -> Iterator[Journal]:
 def load(scene: Scene) -> Journal:
     """The journal of all changes since `take`; raises VibeError as `revert` does."""
     if not exists(scene):
-        raise schema.VibeError(
-            "This scene has no snapshot to revert to.", "Only a vibed scene can be reverted."
-        )
+        raise schema.VibeError("This scene has no snapshot to revert to.", "Only a vibed scene can be reverted.")
     try:
         return stored_journal.load(scene, KEY)
     except stored_journal.Newer as error:

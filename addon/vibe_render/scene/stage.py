@@ -26,9 +26,7 @@ _CAMERA = (32.0, 12.0)  # azimuth and elevation, degrees
 _WALL = 8.0  # distance of the backdrop, in radii of the subject
 
 
-def plain_material(
-    name: str, color: Color, roughness: float = 0.5, metallic: float = 0.0
-) -> bpy.types.Material:
+def plain_material(name: str, color: Color, roughness: float = 0.5, metallic: float = 0.0) -> bpy.types.Material:
     """A Principled material with constant inputs; its base color is linear Rec.709."""
     new_material = bpy.data.materials.new(name)
     shader = next(n for n in enable_nodes(new_material).nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")

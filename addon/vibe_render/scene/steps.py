@@ -60,9 +60,7 @@ class LookStep:
                 keys = [key for key, reason in self.reasons.items() if quote in reason]
                 parts = ((key, *schema.split_key(key)) for key in keys)
                 found[word["word"]] = [
-                    key
-                    for key, group, owner, _ in parts
-                    if not owners or owner in owners or group not in _OWNED
+                    key for key, group, owner, _ in parts if not owners or owner in owners or group not in _OWNED
                 ]
         return found
 
@@ -215,9 +213,7 @@ class Steps:
 
     def _last(self) -> int:
         """The index of the last shown step that is on and has words. Raises VibeError where there is none."""
-        places = [
-            n for n, step in enumerate(self.steps[: self.shown]) if step.on and step.sentence not in WORDLESS
-        ]
+        places = [n for n, step in enumerate(self.steps[: self.shown]) if step.on and step.sentence not in WORDLESS]
         if not places:
             raise schema.VibeError("There is no step before this one.", 'Say what is to change: "warmer".')
         return places[-1]

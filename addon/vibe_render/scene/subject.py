@@ -49,9 +49,7 @@ def choose_subject(
     if not chosen.any():
         if not choice.explicit:  # the stored subject is not in the image now
             return automatic_subject(scene, geometry, surfaces)
-        raise schema.VibeError(
-            "The chosen subject has no mesh that a render shows.", "Choose another object."
-        )
+        raise schema.VibeError("The chosen subject has no mesh that a render shows.", "Choose another object.")
     return chosen
 
 
@@ -73,9 +71,7 @@ def named_objects(scene: bpy.types.Scene, choice: SubjectChoice) -> list[bpy.typ
     return list(dict.fromkeys(o for thing in chosen for o in (thing, *thing.children_recursive)))
 
 
-def automatic_subject(
-    scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces
-) -> np.ndarray:
+def automatic_subject(scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces) -> np.ndarray:
     """The prominent objects in view, without their grounds and backdrops: (number of objects,) bool.
 
     Surroundings are objects that reach three sides of the image or enclose the camera, thin objects at the image's

@@ -117,9 +117,7 @@ class MixPanel(bases.IdlePanel):
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
         shown = _shown(context.scene)
         row = layout.row(align=True)
-        row.operator(
-            "vibe.mix_render", text="Render Again" if shown else "Render Lights", icon="RENDER_STILL"
-        )
+        row.operator("vibe.mix_render", text="Render Again" if shown else "Render Lights", icon="RENDER_STILL")
         row.prop(settings, "light_mix", text="After Each Vibe", toggle=True)
         if reason := _obstacle(context):
             drawing.paragraph(layout, context, reason, "INFO", faint=True)

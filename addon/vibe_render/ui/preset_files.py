@@ -26,9 +26,7 @@ class _FileDialog:
 class _ExportDialog(_FileDialog, ExportHelper):
     """A file dialog for saving, with a proposed name."""
 
-    def propose(
-        self, context: bpy.types.Context, event: bpy.types.Event, name: str, folder: str = ""
-    ) -> set[str]:
+    def propose(self, context: bpy.types.Context, event: bpy.types.Event, name: str, folder: str = "") -> set[str]:
         """Proposes a file for a look, in the last dialog's folder, or else in the given one."""
         if self.filepath:  # type: ignore[has-type]
             folder = str(Path(self.filepath).parent)  # type: ignore[has-type]

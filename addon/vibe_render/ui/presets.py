@@ -23,9 +23,7 @@ class VibePresets(bpy.types.PropertyGroup):
     """The fields of the preset panel; they belong to the window."""
 
     search: StringProperty(
-        name="Search",
-        description="Words of a preset's name or prompt",
-        options={"TEXTEDIT_UPDATE", "SKIP_SAVE"},
+        name="Search", description="Words of a preset's name or prompt", options={"TEXTEDIT_UPDATE", "SKIP_SAVE"}
     )
     chosen: StringProperty(description="The file of the chosen preset")
     rest: StringProperty(description="What did not fit of the last one, in lines")
@@ -113,9 +111,7 @@ def _chosen(context: bpy.types.Context) -> library.Look | None:
     return next((look for look in library.all_looks() if str(look.path) == path), None) if path else None
 
 
-def _draw_chosen(
-    layout: bpy.types.UILayout, context: bpy.types.Context, look: library.Look, letters: int = 0
-) -> None:
+def _draw_chosen(layout: bpy.types.UILayout, context: bpy.types.Context, look: library.Look, letters: int = 0) -> None:
     """Draws a preset's name, prompt and Apply button in a box; `letters` as for `paragraph`."""
     box = layout.box()
     row = box.row()
@@ -140,9 +136,7 @@ def _draw_chosen(
 class PresetOperator(IdleOperator):
     """An operator on the preset at `path`, or on the chosen one if that is empty."""
 
-    path: StringProperty(
-        options={"HIDDEN", "SKIP_SAVE"}, description="The preset's file; empty: the chosen one"
-    )
+    path: StringProperty(options={"HIDDEN", "SKIP_SAVE"}, description="The preset's file; empty: the chosen one")
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -172,9 +166,7 @@ class _OwnPresetOperator(PresetOperator):
 class _NameDialog:
     """A dialog for a name; its field is active at once."""
 
-    name: StringProperty(
-        name="Name", description="What the preset is called in lists", maxlen=preset.LONGEST_NAME
-    )
+    name: StringProperty(name="Name", description="What the preset is called in lists", maxlen=preset.LONGEST_NAME)
 
     def draw(self, context: bpy.types.Context) -> None:
         layout: bpy.types.UILayout = self.layout  # type: ignore[attr-defined]

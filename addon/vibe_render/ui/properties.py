@@ -48,10 +48,7 @@ def _property(row: options.Option) -> Any:
         facts |= {"min": bounds[0], "max": bounds[1]} if bounds else {}
         return IntProperty(**facts, default=row.default)
     if panel.suggestions:
-        facts |= {
-            "search": lambda _owner, _context, _text: panel.suggestions,
-            "search_options": {"SUGGESTION"},
-        }
+        facts |= {"search": lambda _owner, _context, _text: panel.suggestions, "search_options": {"SUGGESTION"}}
     facts |= {"options": {"TEXTEDIT_UPDATE"}, "update": live.typed} if panel.live else {}
     facts |= {"subtype": "FILE_PATH", "options": compat.RELATIVE_PATHS} if panel.path else {}
     return StringProperty(**facts, default=panel.default, maxlen=panel.length)
@@ -77,9 +74,7 @@ class VibeLock(bpy.types.PropertyGroup):
 class VibeTarget(bpy.types.PropertyGroup):
     """The artist's target for a word of the prompt. Its `name` is the word."""
 
-    target: StringProperty(
-        description="A name in the scene, or one of lights, world, image, not used and so on"
-    )
+    target: StringProperty(description="A name in the scene, or one of lights, world, image, not used and so on")
 
 
 def _toggles() -> dict[str, BoolProperty]:
@@ -88,9 +83,7 @@ def _toggles() -> dict[str, BoolProperty]:
         words = [labels.words(p.name) for p in schema.PARAMETERS if p.group == group]
         names = ", ".join(word if word.isupper() else word.lower() for word in words)  # IOR
         toggles[f"change_{group}"] = BoolProperty(
-            name=labels.GROUP_TITLES[group],
-            description=f"A vibe may change: {names}",
-            default=group not in _LEFT_ALONE,
+            name=labels.GROUP_TITLES[group], description=f"A vibe may change: {names}", default=group not in _LEFT_ALONE
         )
     return toggles
 
@@ -136,9 +129,7 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         ),
         update=lambda settings, _context: forget_subject(settings.id_data),
     )
-    collection: PointerProperty(
-        type=bpy.types.Collection, name="Collection", description="What the image is about"
-    )
+    collection: PointerProperty(type=bpy.types.Collection, name="Collection", description="What the image is about")
     effort: EnumProperty(
         name=_EFFORT.title,
         description=_EFFORT.description,
@@ -170,9 +161,7 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         update=_dim,
     )
     show_original: BoolProperty(
-        name="Show Original",
-        description="Switch between the scene as it was and the new look, to compare",
-        update=_mix,
+        name="Show Original", description="Switch between the scene as it was and the new look, to compare", update=_mix
     )
     changes: CollectionProperty(type=VibeChange)
     mix: CollectionProperty(type=light_mix.VibeMixChannel)
@@ -181,12 +170,8 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         description="A further sentence, which goes on from the result: a bit warmer; less fog; but leave the sky; back to the first",
         maxlen=schema.limits.LONGEST_PROMPT,
     )
-    edited: IntProperty(
-        description="Number of the step that the further sentence replaces; 0 for another step", min=0
-    )
-    check_every: IntProperty(
-        name="Every", description="Frames from one that is checked to the next", default=10, min=1
-    )
+    edited: IntProperty(description="Number of the step that the further sentence replaces; 0 for another step", min=0)
+    check_every: IntProperty(name="Every", description="Frames from one that is checked to the next", default=10, min=1)
     vibed_prompt: StringProperty()
     vibed_goals: StringProperty()  # as JSON, for presets
     vibed_like: StringProperty(description="The picture that the look comes from, if any")

@@ -154,9 +154,7 @@ def _draw_sequence(layout: bpy.types.UILayout, context: bpy.types.Context, sessi
         layout.label(text=f"and {len(lost) - _FRAMES} more frames", icon="BLANK1")
 
 
-def _draw_variants(
-    layout: bpy.types.UILayout, variants: Sequence[tuple[messages.Variant, Path]], current: int
-) -> None:
+def _draw_variants(layout: bpy.types.UILayout, variants: Sequence[tuple[messages.Variant, Path]], current: int) -> None:
     """Draws each variant as an image, cropped to a square, with its button close below."""
     across = min(len(variants), 4)
     grid = layout.grid_flow(row_major=True, columns=across, even_columns=True, align=True)
@@ -187,9 +185,7 @@ def draw_changes(layout: bpy.types.UILayout, context: bpy.types.Context) -> None
             _draw_changes(column, context, list(same), why)
 
 
-def _draw_changes(
-    layout: bpy.types.UILayout, context: bpy.types.Context, same: Sequence[Any], why: str
-) -> None:
+def _draw_changes(layout: bpy.types.UILayout, context: bpy.types.Context, same: Sequence[Any], why: str) -> None:
     """Draws values that changed for the same reason, and below them the word behind it; its tooltip is the reason."""
     for change in same:
         parameter = labels.parameter(change.name)

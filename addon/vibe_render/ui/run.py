@@ -129,9 +129,7 @@ class VIBE_OT_run(Vibing):
 
     bl_label = "Vibe It"
 
-    again: BoolProperty(
-        name="Retry", description="The same words once more, with another seed", options={"SKIP_SAVE"}
-    )
+    again: BoolProperty(name="Retry", description="The same words once more, with another seed", options={"SKIP_SAVE"})
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
@@ -257,9 +255,7 @@ def _draw_progress(box: bpy.types.UILayout, context: bpy.types.Context, session:
         drawing.paragraph(box, context, note, "ERROR")
 
 
-def _draw_question(
-    layout: bpy.types.UILayout, context: bpy.types.Context, question: dict[str, list[str]]
-) -> None:
+def _draw_question(layout: bpy.types.UILayout, context: bpy.types.Context, question: dict[str, list[str]]) -> None:
     """The shared materials, and the two answers."""
     drawing.paragraph(
         layout, context, "The subject shares materials with other objects. May these change, too?", "INFO"

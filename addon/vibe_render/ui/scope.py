@@ -122,9 +122,7 @@ class VIBE_UL_values(bpy.types.UIList):
         names.label(text=item.title, icon=drawing.GROUP_ICONS[group])
         draw_lock(row, settings, item.name, reason)
 
-    def filter_items(
-        self, _context: bpy.types.Context, data: VibeValues, _name: str
-    ) -> tuple[list[int], list[int]]:
+    def filter_items(self, _context: bpy.types.Context, data: VibeValues, _name: str) -> tuple[list[int], list[int]]:
         """Shows the rows whose title or key has each word of the search field."""
         words = self.filter_name.casefold().split()
         shown = [all(w in f"{r.title} {r.name}".casefold() for w in words) for r in data.rows]

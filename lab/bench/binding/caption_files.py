@@ -40,9 +40,7 @@ def labeled(path: Path) -> tuple[list[LabeledSentence], int]:
     every = _listed(path)
     found = [labels for text, parts in every if (labels := sentence(text, parts))]
     if not found:
-        raise VibeError(
-            f"No caption of {path} has labels.", "Write lines like 'a green bench and a blue bowl'."
-        )
+        raise VibeError(f"No caption of {path} has labels.", "Write lines like 'a green bench and a blue bowl'.")
     return found, len(every) - len(found)
 
 
@@ -102,9 +100,7 @@ def _told(path: Path, line: str) -> tuple[str, list[NounLook]]:
         text = row["prompt"]
         things = [(t["color"], t["class"]) for t in row["include"] if "color" in t]
     except (ValueError, KeyError, TypeError) as error:
-        raise VibeError(
-            f"{path} has a line that is not GenEval's: {line[:60]}", "Use its metadata."
-        ) from error
+        raise VibeError(f"{path} has a line that is not GenEval's: {line[:60]}", "Use its metadata.") from error
     places = ((color, text.find(f"{color} {noun}"), noun) for color, noun in things)
     return text, [part for part in places if part[1] >= 0]
 

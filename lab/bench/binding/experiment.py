@@ -23,12 +23,7 @@ from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 
 
 def run(
-    out: Path,
-    sentences: str = "",
-    captions: str = "",
-    kind: str = "",
-    misses: bool = False,
-    folds: int = 0,
+    out: Path, sentences: str = "", captions: str = "", kind: str = "", misses: bool = False, folds: int = 0
 ) -> dict[str, Any]:
     """Measures, prints the tables, and writes OUT/results.json.
 

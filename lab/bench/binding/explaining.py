@@ -41,9 +41,7 @@ def explained(text: str, whole: SceneStandIn) -> Parsed:
     Raises:
         VibeError: The prompt asks for no look.
     """
-    advice = OfflineAdvisor(goals_or_why(Understood(text, whole.scene))).advise(
-        None, whole.instances, whole.scene
-    )
+    advice = OfflineAdvisor(goals_or_why(Understood(text, whole.scene))).advise(None, whole.instances, whole.scene)
     explain(advice.goals, advice.prompts, advice.plan)
     return advice.goals.parsed
 

@@ -71,12 +71,7 @@ class SentenceReading:
     error: str = ""
 
 
-def read(
-    text: str,
-    scene: LabeledScene,
-    vocabulary: Vocabulary,
-    weights: FactWeights | None = None,
-) -> SentenceReading:
+def read(text: str, scene: LabeledScene, vocabulary: Vocabulary, weights: FactWeights | None = None) -> SentenceReading:
     """Reads a sentence about a scene, and finds out what its attributes reach.
 
     Args:

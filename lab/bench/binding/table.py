@@ -107,7 +107,9 @@ def show(results: Mapping[str, Any]) -> None:
     closing = f"Attributes that no label covers: {results['extra']}. Sentences that were refused: {results['unread']}. "
     closing += f"A sentence took {taken(results['milliseconds'])}."
     if prompts := results["explaining"]["prompts"]:
-        closing += f" Explaining {prompts} prompts of some 40 words took {taken(results['explaining'])} of the processor each."
+        closing += (
+            f" Explaining {prompts} prompts of some 40 words took {taken(results['explaining'])} of the processor each."
+        )
     console.print(closing, markup=False, highlight=False)
 
 
@@ -155,9 +157,7 @@ def mistaken(row: Mapping[str, Any]) -> str:
     Args:
         row: One of `missed`.
     """
-    words = [
-        f"{w['word']}: wanted {w['wanted']}, found {'; '.join(w['found']) or 'nothing'}" for w in row["words"]
-    ]
+    words = [f"{w['word']}: wanted {w['wanted']}, found {'; '.join(w['found']) or 'nothing'}" for w in row["words"]]
     extra = [f"extra: {each}" for each in row["extra"]]
     error = [f"refused: {row['error']}"] if row["error"] else []
     return "\n    ".join([f"[{row['kind']}, {row['scene']}] {row['text']}", *words, *extra, *error])

@@ -24,9 +24,7 @@ class SentenceTargets:
         roles: Role -> the scene's lights that have it.
     """
 
-    def __init__(
-        self, sentence: LabeledSentence, roles: Mapping[str, frozenset[str]], vocabulary: Vocabulary
-    ) -> None:
+    def __init__(self, sentence: LabeledSentence, roles: Mapping[str, frozenset[str]], vocabulary: Vocabulary) -> None:
         self.sentence, self.scene, self.vocabulary = sentence, sentence.scene, vocabulary
         self.roles, self.glows = roles, frozenset(sentence.scene.glows)
 

@@ -35,10 +35,7 @@ def save_mistakes(mistakes: Sequence[Mistake], path: Path) -> None:
     rows = -(-len(chosen) // _COLUMNS)
     sheet = Image.new("RGB", (_COLUMNS * (_SIDE + _GAP) + _GAP, rows * (_SIDE + _TEXT + _GAP) + _GAP), _PAPER)
     for number, one in enumerate(chosen):
-        left, top = (
-            _GAP + number % _COLUMNS * (_SIDE + _GAP),
-            _GAP + number // _COLUMNS * (_SIDE + _TEXT + _GAP),
-        )
+        left, top = (_GAP + number % _COLUMNS * (_SIDE + _GAP), _GAP + number // _COLUMNS * (_SIDE + _TEXT + _GAP))
         _draw(sheet, one, left, top)
     save_image(sheet, path)
 

@@ -111,9 +111,7 @@ def _measure(asked: Encoder, sets: dict[str, list[Batch]], mistakes: list[Mistak
     over = {
         kind: {
             name: _mean(
-                one[kind].get(name)
-                for one in figures.values()
-                if one["comparisons"].get(f"{what}/{name}", 0) >= FEW
+                one[kind].get(name) for one in figures.values() if one["comparisons"].get(f"{what}/{name}", 0) >= FEW
             )
             for name in NAMES
         }
@@ -164,13 +162,7 @@ def synonyms(asked: Encoder, batches: list[Batch]) -> tuple[float, float]:
     """
     vocabulary = shipped_vocabulary()
     search = vocabulary.made(Nearest)
-    listed = {
-        *vocabulary.synonyms,
-        *vocabulary.colors,
-        *vocabulary.adjectives,
-        *vocabulary.nouns,
-        *vocabulary.shades,
-    }
+    listed = {*vocabulary.synonyms, *vocabulary.colors, *vocabulary.adjectives, *vocabulary.nouns, *vocabulary.shades}
     listed |= {*vocabulary.intensity} | {w for group in vocabulary.lists.values() for w in group}
     told: dict[str, float] = {}
     scores, places = [], []
@@ -210,8 +202,7 @@ def _told_apart(asked: Encoder, batches: list[Batch], phrase: str, heads: dict[s
             text = asked.encode_texts([f"an object, {phrase}"]).cpu()[0]
             with torch.no_grad():
                 a, b = (
-                    asked.encode_images(batch.pictures[list(rows)]).cpu() @ text
-                    for rows in zip(*pairs, strict=True)
+                    asked.encode_images(batch.pictures[list(rows)]).cpu() @ text for rows in zip(*pairs, strict=True)
                 )
             is_it = torch.tensor([int(batch.labels[i, column]) == wanted for i, _ in pairs])
             right += ((a > b) == is_it).tolist()

@@ -36,9 +36,9 @@ RUNGS = {
 BASELINE_STEPS = ("--rounds=1", "--steps=240")
 """As the authors' code has them."""
 
-BASELINES = {
-    f"clip-only, {rate / 10:g} %": Variation("clip-only", rate, BASELINE_STEPS) for rate in (40, 10, 3)
-} | {"clip-authors": Variation("clip-authors", options=BASELINE_STEPS)}
+BASELINES = {f"clip-only, {rate / 10:g} %": Variation("clip-only", rate, BASELINE_STEPS) for rate in (40, 10, 3)} | {
+    "clip-authors": Variation("clip-authors", options=BASELINE_STEPS)
+}
 
 _ARTIST = "the artist's scene"
 _DRAWS = 2000
@@ -105,9 +105,7 @@ def _rung(row: Sequence[Run], seeds: int) -> dict[str, Any]:
         before, after = (finished.load(done.folder, which) for which in ("before", "after"))
         scores.append(verdict.alone(done.pair, verdict.read(done.pair, after, before)).whole)
         report = json.loads((done.folder / "report.json").read_text("utf-8"))
-        claims += [
-            claim["holds"] for claim in report["claims"] if claim["word"] and claim["holds"] is not None
-        ]
+        claims += [claim["holds"] for claim in report["claims"] if claim["word"] and claim["holds"] is not None]
         seconds.append(report["timings"]["engine: loop"])
     return (
         _figures(scores)
@@ -147,8 +145,7 @@ def spread(runs: Sequence[Mapping[str, Mapping[str, Any]]]) -> float:
         group, owner, name = split_key(key)
         ends = [_values(other[key]["after"]) for other in runs]
         distances += [
-            Instance(FAMILIES[f"{group}/{name}"], owner, a).distance(b)
-            for a, b in itertools.combinations(ends, 2)
+            Instance(FAMILIES[f"{group}/{name}"], owner, a).distance(b) for a, b in itertools.combinations(ends, 2)
         ]
     return sum(distances) / max(len(distances), 1)
 
@@ -169,11 +166,7 @@ def _artist(row: Sequence[Run]) -> dict[str, Any]:
 def _figures(scores: Sequence[float]) -> dict[str, Any]:
     """The mean score and its 95 % interval, by drawing pairs anew (bootstrap, Efron 1979)."""
     dice = random.Random(0)
-    means = (
-        sorted(sum(dice.choices(scores, k=len(scores))) / len(scores) for _ in range(_DRAWS))
-        if scores
-        else [0.0]
-    )
+    means = sorted(sum(dice.choices(scores, k=len(scores))) / len(scores) for _ in range(_DRAWS)) if scores else [0.0]
     low, high = means[int(0.025 * len(means))], means[int(0.975 * len(means))]
     return {
         "asks": round(sum(scores) / max(len(scores), 1), 3),

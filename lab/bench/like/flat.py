@@ -50,16 +50,12 @@ def matched(picture: np.ndarray, like: np.ndarray) -> dict[str, np.ndarray]:
         found["histograms"] = exposure.match_histograms(picture, like, channel_axis=-1)
     if importlib.util.find_spec("color_matcher"):
         found["color-matcher"] = _by_color_matcher(picture, like)
-    return {
-        name: np.clip(made, 0.0, 1.0).astype(np.float32) for name, made in found.items() if made is not None
-    }
+    return {name: np.clip(made, 0.0, 1.0).astype(np.float32) for name, made in found.items() if made is not None}
 
 
 def reinhard(picture: np.ndarray, like: np.ndarray) -> np.ndarray:
     """Mean and spread of each channel of CIE Lab as in the other picture (Reinhard et al., "Color Transfer between Images", 2001)."""
-    source, target = (
-        lab_from_srgb(torch.as_tensor(p, dtype=torch.float32)).reshape(-1, 3) for p in (picture, like)
-    )
+    source, target = (lab_from_srgb(torch.as_tensor(p, dtype=torch.float32)).reshape(-1, 3) for p in (picture, like))
     spread = target.std(0) / source.std(0).clamp_min(1e-4)
     lab = (source - source.mean(0)) * spread + target.mean(0)
     return _srgb_from_lab(lab).reshape(picture.shape).numpy()

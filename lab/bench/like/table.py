@@ -24,8 +24,7 @@ def summary(rows: Sequence[LikeRow]) -> dict[str, Any]:
         `extra_seconds`: median of the time from start to end beyond that of a vibe in words of the same scene.
     """
     parts = {
-        part: _part([row for row in rows if row["part"] == part])
-        for part in dict.fromkeys(r["part"] for r in rows)
+        part: _part([row for row in rows if row["part"] == part]) for part in dict.fromkeys(r["part"] for r in rows)
     }
     extra = [row["seconds"] - row["words_seconds"] for row in rows if "words_seconds" in row]
     return {
@@ -55,9 +54,7 @@ def _part(rows: Sequence[LikeRow]) -> dict[str, Any]:
         "done": len(done),
         "entries": {
             entry: {
-                figure: median(
-                    [row["differences"][entry][figure] for row in done if entry in row["differences"]]
-                )
+                figure: median([row["differences"][entry][figure] for row in done if entry in row["differences"]])
                 for figure in ("delta_e", "mse")
             }
             for entry in entries
@@ -77,9 +74,7 @@ def line(row: LikeRow) -> str:
     if row["code"] != 0:
         return f"FAILED: {row['error']}"
     apart = ", ".join(f"{name} {each['delta_e']:.1f}" for name, each in row["differences"].items())
-    facts = [
-        f"{name} {row['errors_before'][name]:.4g} -> {error:.4g}" for name, error in row["errors"].items()
-    ]
+    facts = [f"{name} {row['errors_before'][name]:.4g} -> {error:.4g}" for name, error in row["errors"].items()]
     facts.append(f"{row['seconds']:.0f} s")
     if "words_seconds" in row:
         facts.append(f"in words {row['words_seconds']:.0f} s")
@@ -88,9 +83,7 @@ def line(row: LikeRow) -> str:
 
 def show(results: Mapping[str, Any]) -> None:
     """Prints the tables."""
-    table = Table(
-        "part", "picture", "CIEDE2000", "95 % interval", "MSE x 100", "tasks", box=None, pad_edge=False
-    )
+    table = Table("part", "picture", "CIEDE2000", "95 % interval", "MSE x 100", "tasks", box=None, pad_edge=False)
     errors = Table("part", "key light", "before", "after", "95 % interval", "tasks", box=None, pad_edge=False)
     for part, each in results["parts"].items():
         for entry, figures in each["entries"].items():
@@ -98,16 +91,12 @@ def show(results: Mapping[str, Any]) -> None:
             table.add_row(part, entry, _text(apart), _between(apart), _text(mse), str(apart["count"]))
         for name, error in each["errors"].items():
             after = error["after"]
-            errors.add_row(
-                part, name, _text(error["before"]), _text(after), _between(after), str(after["count"])
-            )
+            errors.add_row(part, name, _text(error["before"]), _text(after), _between(after), str(after["count"]))
     console = Console(width=None if Console().is_terminal else 120)
     console.print(table)
     console.print(errors)
     extra = results["extra_seconds"]
-    console.print(
-        f"A vibe took {_text(extra)} s more than one in words ({_between(extra)}).", highlight=False
-    )
+    console.print(f"A vibe took {_text(extra)} s more than one in words ({_between(extra)}).", highlight=False)
 
 
 def _text(value: Mapping[str, Any]) -> str:

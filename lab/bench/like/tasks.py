@@ -9,18 +9,7 @@ from dataclasses import dataclass
 
 SETS = (
     *("robot", "duck", "mug", "sofa", "car", "vase", "table", "donut", "temple", "plant"),
-    *(
-        "boat",
-        "mushroom",
-        "living_room",
-        "balls",
-        "head",
-        "breakfast",
-        "letters",
-        "cottage",
-        "lamp",
-        "supper",
-    ),
+    *("boat", "mushroom", "living_room", "balls", "head", "breakfast", "letters", "cottage", "lamp", "supper"),
 )
 """Sets of `python -m lab paper`, by name: indoors, outdoors and in a studio."""
 
@@ -39,9 +28,7 @@ _FILTERED = 3
 
 _HIDDEN: dict[str, tuple[str, ...]] = {
     "recovery": WHOLE_LOOK,
-    "lamps": (
-        "light",
-    ),  # where nothing else may explain it, a picture tells a lamp's direction, color and power
+    "lamps": ("light",),  # where nothing else may explain it, a picture tells a lamp's direction, color and power
     "materials": (*WHOLE_LOOK, "material"),
 }
 """Part -> what its look changes, where the picture shows the very scene."""

@@ -50,21 +50,13 @@ class LikeTrial:
     @property
     def folder(self) -> Path:
         """Folder of this task; named by all that it depends on."""
-        return (
-            self.out
-            / "runs"
-            / _name(self.task.name, *astuple(self.task), self.size, self.samples, self.effort)
-        )
+        return self.out / "runs" / _name(self.task.name, *astuple(self.task), self.size, self.samples, self.effort)
 
     def row(self) -> dict[str, Any]:
         """Its result."""
         made, scene = self._made(self.task.truth)
         picture = self._picture()
-        options = [
-            "--vlm-model=off",
-            f"--effort={self.effort}",
-            *(f"--subject={name}" for name in made["subject"]),
-        ]
+        options = ["--vlm-model=off", f"--effort={self.effort}", *(f"--subject={name}" for name in made["subject"])]
         options += [f"--size={self.size}", f"--samples={self.samples}"]
         like = [f"--like={picture.resolve()}", *self.task.options]
         ended = product.vibe_once(scene / "scene.blend", "", self.folder, [*options, *like])

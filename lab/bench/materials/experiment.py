@@ -48,9 +48,7 @@ def run(out: Path, only: str = "*", draw: int = 0, size: int = 160, samples: int
     if not chosen:
         raise VibeError(f"Nothing has a name like {only!r}.", "Use *, or a part of a name: *glass*.")
     vibes = _Vibes(
-        out,
-        _studio(out / "studio"),
-        [f"--size={size}", f"--samples={samples}", "--vlm-model=off", "--figures"],
+        out, _studio(out / "studio"), [f"--size={size}", f"--samples={samples}", "--vlm-model=off", "--figures"]
     )
     materials = [row for kind, row in chosen if kind == "material"]
     references = _references(out, vibes.scene, materials, size, samples)
@@ -98,9 +96,7 @@ def _studio(folder: Path) -> Path:
 def _chosen(only: str, draw: int) -> list[tuple[str, dict[str, Any]]]:
     """Kind and row of what has such a name."""
     kinds = {"material": "materials", "light": "lights"}
-    rows = [
-        (k, row) for k, name in kinds.items() for row in measured()[name] if fnmatchcase(row["say"], only)
-    ]
+    rows = [(k, row) for k, name in kinds.items() for row in measured()[name] if fnmatchcase(row["say"], only)]
     return random.Random(0).sample(rows, len(rows))[:draw] if draw else rows
 
 
@@ -135,6 +131,4 @@ def _strip(row: Mapping[str, Any], folder: Path, references: Path) -> Strip:
         if path.is_file():
             with Image.open(path) as picture:
                 panels.append((name, picture.convert("RGB")))
-    return Strip(
-        row["prompt"], table.line(row)[:80], panels or [("no picture", Image.new("RGB", (256, 256)))]
-    )
+    return Strip(row["prompt"], table.line(row)[:80], panels or [("no picture", Image.new("RGB", (256, 256)))])

@@ -16,13 +16,7 @@ from torch import Tensor
 
 from proxy_renderer.render.geometry.camera import view_of
 from proxy_renderer.render.lights.light_source import LightSource
-from proxy_renderer.render.lights.light_types import (
-    LIGHT_TYPES,
-    AreaLight,
-    PointLight,
-    SunLight,
-    light_sources,
-)
+from proxy_renderer.render.lights.light_types import LIGHT_TYPES, AreaLight, PointLight, SunLight, light_sources
 from proxy_renderer.scene import SceneData
 from proxy_renderer.scene.values import RenderValues
 from proxy_renderer.schema import VibeError

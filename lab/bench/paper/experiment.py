@@ -45,16 +45,12 @@ def run(
     asked = read_pairs(only)
     pairs = [pair for pair in asked if pair.set or meshes]
     if len(pairs) < len(asked):
-        print(
-            "The paper's own meshes are not here, so its pairs are left out: name their folder by --meshes."
-        )
+        print("The paper's own meshes are not here, so its pairs are left out: name their folder by --meshes.")
     planned = runs.plan(pairs, budget, out, meshes)
     broken = runs.carry_out(planned, budget, out, meshes)
     results = summary(planned, budget) | {
         "failed": {
-            f"{r.pair.name}, {r.variation}, seed {r.seed}": broken[r.folder]
-            for r in planned
-            if r.folder in broken
+            f"{r.pair.name}, {r.variation}, seed {r.seed}": broken[r.folder] for r in planned if r.folder in broken
         }
     }
     atomic.write_text(out / "results.json", json.dumps(results, indent=1, ensure_ascii=False))
@@ -83,9 +79,7 @@ def summary(planned: Sequence[Run], budget: RunBudget) -> dict[str, Any]:
             ablations[pair.name] = _facts(pair) | {"ours": _record(pair, readings[mine[0].folder], score)}
     return {
         **verdict.tally([row["verdict"] for row in by_pair.values()]),
-        "without_visibility": verdict.tally(
-            [row["without_visibility"]["verdict"] for row in by_pair.values()]
-        ),
+        "without_visibility": verdict.tally([row["without_visibility"]["verdict"] for row in by_pair.values()]),
         "pairs": len(by_pair),
         "rule": verdict.RULE,
         "judge_encoder": network is not None,
@@ -134,10 +128,7 @@ def _decided(seeds: Sequence[Mapping[str, Any]], score: str) -> dict[str, Any]:
     """Who has won by a score, and both means over the seeds."""
     ours, theirs = ([seed[side][score] for seed in seeds] for side in ("ours", "clip_only"))
     means = {"ours": sum(ours) / len(ours), "clip_only": sum(theirs) / len(theirs)}
-    return {
-        "verdict": verdict.decide(ours, theirs),
-        **{side: round(value, 4) for side, value in means.items()},
-    }
+    return {"verdict": verdict.decide(ours, theirs), **{side: round(value, 4) for side, value in means.items()}}
 
 
 def _facts(pair: Pair) -> dict[str, Any]:
@@ -149,9 +140,7 @@ def _record(pair: Pair, reading: verdict.Reading, score: verdict.Score) -> dict[
     return {
         "score": round(score.whole, 4),
         "score_without_visibility": round(score.mean, 4),
-        "asks": {
-            ask.text: {"amount": round(amount, 3), "score": round(part, 3)} for ask, amount, part in rows
-        },
+        "asks": {ask.text: {"amount": round(amount, 3), "score": round(part, 3)} for ask, amount, part in rows},
         "visibility": {k: round(v, 3) for k, v in vars(reading.visible).items()},
         **({} if reading.judge is None else {"judge_gain": reading.judge}),
     }
@@ -203,12 +192,8 @@ def _model(planned: Sequence[Run]) -> dict[str, Any]:
 
 
 def _print(results: Mapping[str, Any]) -> None:
-    for name, row in sorted(
-        results["by_pair"].items(), key=lambda pair: pair[1]["ours"] - pair[1]["clip_only"]
-    ):
-        print(
-            f"{row['verdict']:>5}  {row['ours']:.2f} : {row['clip_only']:.2f}  {name}: {row['prompt'][:70]}"
-        )
+    for name, row in sorted(results["by_pair"].items(), key=lambda pair: pair[1]["ours"] - pair[1]["clip_only"]):
+        print(f"{row['verdict']:>5}  {row['ours']:.2f} : {row['clip_only']:.2f}  {name}: {row['prompt'][:70]}")
     if judged := results["judge"]:
         print(
             f"{judged['model']} by the paper's prompt: {judged['win']} won, {judged['tie']} tied, {judged['loss']} lost."

@@ -38,8 +38,7 @@ def save_ablation(rows: Sequence[tuple[Pair, Path]], path: Path) -> None:
         rows: Pair and folder of its run.
     """
     columns = [
-        judge.Column(pair.name, pair.prompt, picture(folder), picture(folder, "before"))
-        for pair, folder in rows
+        judge.Column(pair.name, pair.prompt, picture(folder), picture(folder, "before")) for pair, folder in rows
     ]
     save_image(judge.figure(columns, ("Ours", "Before")), path)
 

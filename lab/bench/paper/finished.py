@@ -129,7 +129,5 @@ def _inner(where: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 def _spread(grid: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     """A grid (N, N, ...) at a picture's height and width, by nearest cell."""
-    rows, columns = (
-        ((np.arange(n) + 0.5) * m / n).astype(int) for n, m in zip(shape, grid.shape, strict=False)
-    )
+    rows, columns = (((np.arange(n) + 0.5) * m / n).astype(int) for n, m in zip(shape, grid.shape, strict=False))
     return grid[rows[:, None], columns]

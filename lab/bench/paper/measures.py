@@ -21,10 +21,7 @@ FOG = "fog"
 
 UNITS = {**{name: m.unit for name, m in measures.MEASURES.items()}, FOG: ""}
 NOTICES = {**{name: m.notice for name, m in measures.MEASURES.items()}, FOG: 0.04}
-SAYS = {
-    **{name: m.says for name, m in measures.MEASURES.items()},
-    FOG: "share of local contrast that fog takes away",
-}
+SAYS = {**{name: m.says for name, m in measures.MEASURES.items()}, FOG: "share of local contrast that fog takes away"}
 """By name, as `traits.toml` has them: unit, the least difference that people notice, and what it is."""
 
 

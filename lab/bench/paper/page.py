@@ -47,9 +47,7 @@ def render(results: Mapping[str, Any], planned: Sequence[Run], out: Path) -> str
 def _hero(results: Mapping[str, Any]) -> str:
     low, high = results["interval"]
     parts = "".join(
-        f'<i class="{kind}" style="flex:{results[kind]}"></i>'
-        for kind in ("win", "tie", "loss")
-        if results[kind]
+        f'<i class="{kind}" style="flex:{results[kind]}"></i>' for kind in ("win", "tie", "loss") if results[kind]
     )
     counts = "".join(
         f'<li><b class="{kind}">{results[kind]}</b>{kind if results[kind] == 1 else many}</li>'
@@ -71,7 +69,9 @@ def _model(results: Mapping[str, Any]) -> str:
     if not verdict:
         return ""
     text = f"{verdict['winner']}. {verdict['reason']}" if "winner" in verdict else verdict["error"]
-    return f'<section><h2>The judge</h2><p class="lead">{escape(results["judge"]["model"])}: {escape(text)}</p></section>'
+    return (
+        f'<section><h2>The judge</h2><p class="lead">{escape(results["judge"]["model"])}: {escape(text)}</p></section>'
+    )
 
 
 def _section(group: str, results: Mapping[str, Any], planned: Sequence[Run]) -> str:
@@ -117,9 +117,7 @@ def _table(pair: Pair, seeds: Sequence[Mapping[str, Any]], compared: bool) -> st
         cells = "".join(_cell([s[side]["asks"][ask.text] for s in seeds], unit) for side in sides)
         body += f"<tr><td>{_chip(ask)}{escape(ask.text)}<small>{measure.replace('_', ' ')}</small></td>{cells}</tr>"
     visibility = "".join(
-        _cell(
-            [{"amount": s[side]["visibility"], "score": _product(s[side]["visibility"])} for s in seeds], ""
-        )
+        _cell([{"amount": s[side]["visibility"], "score": _product(s[side]["visibility"])} for s in seeds], "")
         for side in sides
     )
     return f"<table><tr><th></th>{head}</tr>{body}<tr><td>subject visible<small>outline × detail × frame</small></td>{visibility}</tr></table>"
@@ -154,9 +152,7 @@ def _product(parts: Mapping[str, float]) -> float:
 def _method(results: Mapping[str, Any]) -> str:
     budget, blind = results["budget"], results["without_visibility"]
     judged = (
-        " An encoder that was never optimized is asked too, as one ask among them."
-        if results["judge_encoder"]
-        else ""
+        " An encoder that was never optimized is asked too, as one ask among them." if results["judge_encoder"] else ""
     )
     rows = "".join(
         f"<tr><td>{name.replace('_', ' ')}</td><td>{escape(says)}</td><td>{NOTICES[name]:g} {UNITS[name]}</td></tr>"

@@ -82,11 +82,7 @@ def plan(pairs: Sequence[Pair], budget: RunBudget, out: Path, meshes: Path | Non
 
 
 def plan_rungs(
-    pairs: Sequence[Pair],
-    rungs: Mapping[str, Variation],
-    budget: RunBudget,
-    out: Path,
-    meshes: Path | None,
+    pairs: Sequence[Pair], rungs: Mapping[str, Variation], budget: RunBudget, out: Path, meshes: Path | None
 ) -> dict[str, list[Run]]:
     """Runs of each rung; those of a pair are told apart by their folders.
 
@@ -103,13 +99,7 @@ def plan_rungs(
 
 
 def _folder(
-    pair: Pair,
-    variation: Variation,
-    seed: int,
-    budget: RunBudget,
-    out: Path,
-    meshes: Path | None,
-    code: str,
+    pair: Pair, variation: Variation, seed: int, budget: RunBudget, out: Path, meshes: Path | None, code: str
 ) -> Path:
     given = arguments(pair, variation, seed, budget)
     what = [pair.set, _content(meshes, pair), str(variation), *given, code]
@@ -164,9 +154,7 @@ def carry_out(runs: Sequence[Run], budget: RunBudget, out: Path, meshes: Path | 
         if event["type"] == "failed":
             failed[run.folder] = event["message"]
             outcome = f"FAILED: {event['message']}"
-        print(
-            f"[{done}/{len(runs)}] {run.pair.name}, {run.variation}, seed {run.seed}: {outcome}", flush=True
-        )
+        print(f"[{done}/{len(runs)}] {run.pair.name}, {run.variation}, seed {run.seed}: {outcome}", flush=True)
     return failed
 
 
@@ -179,9 +167,7 @@ def find_meshes(chosen: str) -> Path | None:
     if chosen:
         folder = Path(chosen).expanduser()
         if not folder.is_dir():
-            raise VibeError(
-                f"There is no folder {chosen}.", "It has to hold dolphin.obj, teapot.obj and tree.obj."
-            )
+            raise VibeError(f"There is no folder {chosen}.", "It has to hold dolphin.obj, teapot.obj and tree.obj.")
         return folder.resolve()
     beside = Path(proxy_renderer.__file__).resolve().parents[2] / "shared" / "meshes"
     return beside if beside.is_dir() else None

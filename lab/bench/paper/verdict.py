@@ -138,11 +138,7 @@ def tally(verdicts: Sequence[str], tie: float = 0.0) -> dict[str, Any]:
     counts = {kind: verdicts.count(kind) for kind in ("win", "tie", "loss")}
     total, wins = len(verdicts), counts["win"] + tie * counts["tie"]
     low, high = wilson(wins, total)
-    return {
-        **counts,
-        "win_rate": round(wins / total, 4) if total else 0.0,
-        "interval": [round(low, 4), round(high, 4)],
-    }
+    return {**counts, "win_rate": round(wins / total, 4) if total else 0.0, "interval": [round(low, 4), round(high, 4)]}
 
 
 def wilson(wins: float, count: int, z: float = 1.96) -> tuple[float, float]:

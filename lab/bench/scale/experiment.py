@@ -80,12 +80,7 @@ def _grow(axis: str, sizes: tuple[int, ...], limit: int, path: Path, results: di
                 return
         atomic.write_text(path, json.dumps(results, indent=1))
         costs = points[str(size)]
-        print(
-            f"{axis} {size}:",
-            *(f"{p} {c['processor']:.2f} s" for p, c in costs.items()),
-            sep="  ",
-            flush=True,
-        )
+        print(f"{axis} {size}:", *(f"{p} {c['processor']:.2f} s" for p, c in costs.items()), sep="  ", flush=True)
         if sum(phase["wall"] for phase in costs.values()) > limit and sizes[i + 1 :]:
             results["stopped"][axis] = list(sizes[i + 1 :])
             return
@@ -116,8 +111,7 @@ def _curves(points: Mapping[str, Any]) -> dict[str, dict[str, list[tuple[float, 
     """Axis to phase to (size, processor seconds)."""
     return {
         axis: {
-            phase: [(_cost(axis, size), costs[phase]["processor"]) for size, costs in rows.items()]
-            for phase in PHASES
+            phase: [(_cost(axis, size), costs[phase]["processor"]) for size, costs in rows.items()] for phase in PHASES
         }
         for axis, rows in points.items()
     }
@@ -128,13 +122,8 @@ def _exponents(axis: str, rows: Mapping[str, Any]) -> dict[str, Any]:
     if len(rows) < 2:
         return {}
     sizes = [_cost(axis, size) for size in rows]
-    of = {
-        kind: [[max(c[p][kind], 1e-3) for c in rows.values()] for p in PHASES]
-        for kind in ("processor", "memory")
-    }
-    return {
-        phase: {kind: asdict(exponent(sizes, of[kind][i])) for kind in of} for i, phase in enumerate(PHASES)
-    }
+    of = {kind: [[max(c[p][kind], 1e-3) for c in rows.values()] for p in PHASES] for kind in ("processor", "memory")}
+    return {phase: {kind: asdict(exponent(sizes, of[kind][i])) for kind in of} for i, phase in enumerate(PHASES)}
 
 
 def _show(results: Mapping[str, Any]) -> None:

@@ -33,12 +33,7 @@ from proxy_renderer.scene import SceneData, load_scene
 from proxy_renderer.schema.messages import Anchor, Anchored, Options, Progress
 
 _PROMPT = "warm light"
-_LEARNED = (
-    "material/Stuff 0/base_color",
-    "material/Stuff 0/roughness",
-    "light/Lamp 0/power",
-    "light/Lamp 0/color",
-)
+_LEARNED = ("material/Stuff 0/base_color", "material/Stuff 0/roughness", "light/Lamp 0/power", "light/Lamp 0/color")
 _EVERYWHERE = ("world/color", "film/exposure", "film/contrast")
 _STEPS = 3
 

@@ -21,9 +21,7 @@ _SPARE = 1.1
 """Factor by which a baseline that had fewer seconds gets more steps than their ratio says, as two runs never take the same time."""
 
 
-def rival_row(
-    rival: str, rate: int, ours: JobResult, carry_out: Callable[[Variation], JobResult]
-) -> JobResult:
+def rival_row(rival: str, rate: int, ours: JobResult, carry_out: Callable[[Variation], JobResult]) -> JobResult:
     """The rival's row of a job; a baseline's is of a run that had at least as many seconds in the loop as the product.
 
     Args:

@@ -53,9 +53,7 @@ def run(
     if not 1 <= jobs <= _MOST:
         raise VibeError(f"--jobs {jobs} is out of range.", f"Use 1 to {_MOST}.")
     chosen, changed = (drawn_from, False) if drawn_from else judged_commit()
-    print(
-        f"Drawn from {chosen}{'; files have been changed since this commit' if changed else ''}.", flush=True
-    )
+    print(f"Drawn from {chosen}{'; files have been changed since this commit' if changed else ''}.", flush=True)
     rows, rivals, strips = [], [], []
     for number in range(jobs):
 
@@ -82,9 +80,7 @@ def run(
     return results
 
 
-def _trial(
-    out: Path, seed: str, job: SealedJob, size: int, samples: int, variation: Variation
-) -> SealedTrial:
+def _trial(out: Path, seed: str, job: SealedJob, size: int, samples: int, variation: Variation) -> SealedTrial:
     """A trial in a folder that is named by all that it depends on, but for changed files."""
     depends = [seed, job.number, size, samples, *variation, job.prompt, job.scene.plain]
     name = hashlib.sha256(json.dumps(depends).encode()).hexdigest()[:16]

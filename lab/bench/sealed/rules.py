@@ -80,6 +80,4 @@ def rule(name: str) -> Rule:
 def rules() -> dict[str, Rule]:
     """All rules by name."""
     rows = tomllib.loads((Path(__file__).parent / "rules.toml").read_text("utf-8"))
-    return {
-        name: Rule(name, **{**row, "clashes": tuple(row.get("clashes", ()))}) for name, row in rows.items()
-    }
+    return {name: Rule(name, **{**row, "clashes": tuple(row.get("clashes", ()))}) for name, row in rows.items()}

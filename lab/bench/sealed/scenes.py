@@ -118,11 +118,7 @@ def _lamps(luck: random.Random, stage: str, thing: DrawnThing) -> list[dict[str,
         sun = {"kind": "SUN", "azimuth": luck.uniform(-120, 120), "elevation": luck.uniform(20, 65)}
         return [sun | {"level": luck.uniform(0.4, 1.0), "size": luck.choice((0.5, 2.0, 10.0))}]
     key = {"kind": "AREA", "azimuth": luck.uniform(-70, 70), "elevation": luck.uniform(20, 60)}
-    softbox = key | {
-        "level": luck.uniform(0.4, 0.9),
-        "size": luck.choice((0.3, 1.0, 2.0)),
-        "color": _tint(luck),
-    }
+    softbox = key | {"level": luck.uniform(0.4, 0.9), "size": luck.choice((0.3, 1.0, 2.0)), "color": _tint(luck)}
     return [softbox, *_bulbs(luck, 0.3)]
 
 

@@ -48,9 +48,7 @@ def require() -> None:
         VibeError: Mitsuba is not there.
     """
     if importlib.util.find_spec("mitsuba") is None:
-        raise VibeError(
-            "Mitsuba 3 is not installed; --mitsuba needs it.", "`pip install mitsuba==3.9.1`. " + _LLVM
-        )
+        raise VibeError("Mitsuba 3 is not installed; --mitsuba needs it.", "`pip install mitsuba==3.9.1`. " + _LLVM)
 
 
 def compare(out: Path, size: int, step: Step, mitsuba: bool, eevee_blender: str) -> dict[str, Any]:
@@ -83,13 +81,7 @@ def compare(out: Path, size: int, step: Step, mitsuba: bool, eevee_blender: str)
         eevee.measure(eevee_blender, rows, work, size, failed, frames=2)
     for name, row in rows.items():
         print(_line(name, row), flush=True)
-    return {
-        "integrator": f"prb, depth {DEPTH}",
-        "variant": VARIANT,
-        "size": size,
-        "scenes": rows,
-        "failed": failed,
-    }
+    return {"integrator": f"prb, depth {DEPTH}", "variant": VARIANT, "size": size, "scenes": rows, "failed": failed}
 
 
 def _row(event: dict[str, Any], folder: Path, size: int, step: Step, mitsuba: bool) -> dict[str, Any]:
@@ -101,10 +93,7 @@ def _row(event: dict[str, Any], folder: Path, size: int, step: Step, mitsuba: bo
     save_picture(reference, folder / "cycles.png")
     save_picture(picture, folder / "proxy.png")
     times = {"step_ms": step(scene, learned(scene), size), "frame_ms": _frame(proxy)}
-    row: dict[str, Any] = {
-        "proxy": times | rounded(difference(picture, reference)),
-        "learned": learned(scene),
-    }
+    row: dict[str, Any] = {"proxy": times | rounded(difference(picture, reference)), "learned": learned(scene)}
     if mitsuba:
         output, pictures = _mitsuba(Path(event["job"]), size)
         row |= {"mitsuba": {}, "version": output["version"]}

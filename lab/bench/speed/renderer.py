@@ -29,11 +29,7 @@ _STEPS = 8
 _SIDES = (256, 512, 1024)
 _TRIANGLES = (3, 7)  # subdivisions: a ball of 1,280 and one of 327,680 triangles
 _COMMON = ("light/Lamp 0/power", "light/Lamp 0/color", "film/exposure", "film/contrast")
-_ONE = [
-    *(f"material/Ball 0/{name}" for name in ("base_color", "roughness", "metallic")),
-    *_COMMON,
-    "world/color",
-]
+_ONE = [*(f"material/Ball 0/{name}" for name in ("base_color", "roughness", "metallic")), *_COMMON, "world/color"]
 _COLORS = [f"material/Ball {i}/base_color" for i in range(3)]
 _MANY, _FOGGY = [*_COLORS, *_COMMON, "world/color"], [*_COLORS, *_COMMON, "world/tint"]
 
@@ -102,9 +98,7 @@ def _peak() -> float:
     return most / 2**20 if sys.platform == "darwin" else most / 2**10
 
 
-def _step(
-    scene: SceneData, learned: Sequence[str], move: float = 0.0, size: int = _SIZE, steps: int = _STEPS
-) -> float:
+def _step(scene: SceneData, learned: Sequence[str], move: float = 0.0, size: int = _SIZE, steps: int = _STEPS) -> float:
     """Median milliseconds of rendering and differentiating; `move` is added before every step."""
     proxy = Proxy(scene, (size, size))
     values = {key: torch.tensor(scene.instances[key].value, requires_grad=True) for key in learned}

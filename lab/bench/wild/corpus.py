@@ -95,9 +95,7 @@ def names(folder: Path, only: str = "*", listed: str = "") -> list[str]:
         raise VibeError(f"{missing[0]} is not below {folder}.", "Take it out of the list, or get the scene.")
     chosen = sorted(name for name in wanted if fnmatchcase(name, only))
     if not chosen:
-        raise VibeError(
-            f"No scene below {folder} has a name like {only!r}.", f"Use one of: {' '.join(SCENES)}."
-        )
+        raise VibeError(f"No scene below {folder} has a name like {only!r}.", f"Use one of: {' '.join(SCENES)}.")
     return chosen
 
 
@@ -129,9 +127,7 @@ def _strip(name: str, row: dict[str, Any], folder: Path) -> Strip:
     panels = [(each, _opened(folder / "out" / f"{each}.png")) for each in pictures]
     shown = [(label, picture) for label, picture in panels if picture is not None]
     title = f"{name[-64:]}   {table.line(row)}"[:110]
-    return Strip(
-        title, _note(row)[:130], shown or [("no picture", Image.new("RGB", (256, 256), (60, 20, 20)))]
-    )
+    return Strip(title, _note(row)[:130], shown or [("no picture", Image.new("RGB", (256, 256), (60, 20, 20)))])
 
 
 def _note(row: dict[str, Any]) -> str:

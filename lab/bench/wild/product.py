@@ -39,9 +39,7 @@ class Ended:
     last_line: str
 
 
-def vibe(
-    scene: Path, prompt: str, folder: Path, options: Sequence[str], variation: Variation = OURS
-) -> Ended:
+def vibe(scene: Path, prompt: str, folder: Path, options: Sequence[str], variation: Variation = OURS) -> Ended:
     """Vibes a scene; its files lie in FOLDER/out then, and what it said in FOLDER/log.txt.
 
     Args:
@@ -63,12 +61,7 @@ def vibe(
     start, most = time.monotonic(), 0
     with log.open("w", encoding="utf-8") as file:
         process = subprocess.Popen(
-            command,
-            stdin=subprocess.DEVNULL,
-            stdout=file,
-            stderr=subprocess.STDOUT,
-            cwd=current,
-            env=environment,
+            command, stdin=subprocess.DEVNULL, stdout=file, stderr=subprocess.STDOUT, cwd=current, env=environment
         )
         while process.poll() is None:
             most = max(most, launch.memory(process.pid))

@@ -71,23 +71,11 @@ def show(results: Mapping[str, Any]) -> None:
     """Prints every scene, the worst first, and what holds over all."""
     console = Console(width=None if Console().is_terminal else 180)
     table = Table(
-        "scene",
-        "outcome",
-        "ΔE",
-        "p95",
-        "subject",
-        "s",
-        "read",
-        "GB",
-        "revert",
-        "words",
-        box=None,
-        pad_edge=False,
+        "scene", "outcome", "ΔE", "p95", "subject", "s", "read", "GB", "revert", "words", box=None, pad_edge=False
     )
     for name, row in sorted(results["rows"].items(), key=lambda pair: -(pair[1].get("delta_e") or 99)):
         figures = [
-            row.get(key)
-            for key in ("delta_e", "p95", "delta_e_subject", "seconds", "read_seconds", "memory_gb")
+            row.get(key) for key in ("delta_e", "p95", "delta_e_subject", "seconds", "read_seconds", "memory_gb")
         ]
         reverted = row.get("revert", {}).get("differ", "")
         words = row.get("words", {})

@@ -90,9 +90,7 @@ def hidden_values(
         luck = _luck(seed, instance)
         if family == "light/azimuth":
             behind = instance.role == "rim"
-            values[key] = (
-                front + (180.0 if behind else 0.0) + luck.uniform(-1, 1) * (40.0 if behind else 80.0),
-            )
+            values[key] = (front + (180.0 if behind else 0.0) + luck.uniform(-1, 1) * (40.0 if behind else 80.0),)
         elif family == "volume/density":
             values[key] = (depth * instance.reference,)
         elif draw := DRAWS.get(family):

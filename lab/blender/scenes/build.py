@@ -175,9 +175,7 @@ def _film(scene: Scene, recipe: SceneRecipe) -> None:
     scene.view_settings.view_transform = recipe.transform
     if recipe.look:
         scene.view_settings.look = next(
-            item
-            for item in (f"{recipe.transform} - {recipe.look}", recipe.look)
-            if _takes(scene.view_settings, item)
+            item for item in (f"{recipe.transform} - {recipe.look}", recipe.look) if _takes(scene.view_settings, item)
         )
     scene.render.film_transparent = recipe.transparent
 
@@ -190,9 +188,7 @@ def _takes(settings: bpy.types.ColorManagedViewSettings, look: str) -> bool:
     return True
 
 
-def _values(
-    scene: Scene, recipe: SceneRecipe, subject: list[Object], pivot: Vector, luck: random.Random
-) -> None:
+def _values(scene: Scene, recipe: SceneRecipe, subject: list[Object], pivot: Vector, luck: random.Random) -> None:
     """Fog and film, written as a vibe writes them and kept as the artist's."""
     view = (scene.camera.location - pivot).length
     values: dict[str, tuple[float, ...]] = {}

@@ -5,14 +5,7 @@ from __future__ import annotations
 
 from vibe_render.core.color import Color
 
-from lab.blender.scenes.recipe import (
-    CameraRecipe,
-    FinishRecipe,
-    FogRecipe,
-    LightRecipe,
-    SceneRecipe,
-    WorldRecipe,
-)
+from lab.blender.scenes.recipe import CameraRecipe, FinishRecipe, FogRecipe, LightRecipe, SceneRecipe, WorldRecipe
 
 WARM, COOL = (1.0, 0.78, 0.55), (0.72, 0.84, 1.0)
 GOLD, COPPER, STEEL, CHROME = (0.9, 0.62, 0.22), (0.85, 0.42, 0.25), (0.56, 0.57, 0.58), (0.8, 0.8, 0.8)
@@ -84,9 +77,7 @@ def glass(
     return FinishRecipe(color, roughness, inputs={"Transmission Weight": weight, "IOR": ior})
 
 
-def key(
-    level: float = 0.8, azimuth: float = -40.0, color: Color = (1.0, 0.96, 0.9), size: float = 1.4
-) -> LightRecipe:
+def key(level: float = 0.8, azimuth: float = -40.0, color: Color = (1.0, 0.96, 0.9), size: float = 1.4) -> LightRecipe:
     """A softbox, 42 degrees up.
 
     Args:
@@ -147,9 +138,7 @@ def spot(
         opening: Full angle of its cone, radians.
         blend: Softness of the cone's edge, 0 to 1.
     """
-    return LightRecipe(
-        "SPOT", azimuth, elevation, level, 0.15, color, 6.0, {"spot_size": opening, "spot_blend": blend}
-    )
+    return LightRecipe("SPOT", azimuth, elevation, level, 0.15, color, 6.0, {"spot_size": opening, "spot_blend": blend})
 
 
 # fmt: off

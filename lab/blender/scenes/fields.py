@@ -15,9 +15,7 @@ _AROUND = (False, True)  # a grid whose rows are closed
 def _grid(rows: int, columns: int, closed: tuple[bool, bool] = (False, False)) -> np.ndarray:
     """Quads (F, 4) between the points of a grid, which may be closed either way."""
     i, j = np.meshgrid(
-        np.arange(rows if closed[0] else rows - 1),
-        np.arange(columns if closed[1] else columns - 1),
-        indexing="ij",
+        np.arange(rows if closed[0] else rows - 1), np.arange(columns if closed[1] else columns - 1), indexing="ij"
     )
     down, right = (i + 1) % rows, (j + 1) % columns
     quads = [i * columns + j, i * columns + right, down * columns + right, down * columns + j]
@@ -54,12 +52,7 @@ def lathe(profile: np.ndarray, steps: int = 96, subdivisions: int = 4) -> MeshAr
     radius, height = np.maximum(curve[:, 0], 0.0), curve[:, 1]
     angle = np.linspace(0, 2 * math.pi, steps, endpoint=False)
     places = np.stack(
-        [
-            radius[:, None] * np.cos(angle),
-            radius[:, None] * np.sin(angle),
-            np.repeat(height[:, None], steps, 1),
-        ],
-        -1,
+        [radius[:, None] * np.cos(angle), radius[:, None] * np.sin(angle), np.repeat(height[:, None], steps, 1)], -1
     )
     return places.reshape(-1, 3), _grid(len(curve), steps, _AROUND), _uvs(len(curve), steps, _AROUND)
 
@@ -128,13 +121,7 @@ def branches(chance: random.Random) -> MeshArrays:
             for _ in range(3):
                 bend = np.array([chance.gauss(0, 0.5), chance.gauss(0, 0.5), chance.gauss(0.15, 0.25)])
                 step = toward + bend
-                grow(
-                    end,
-                    step / np.linalg.norm(step),
-                    length * chance.uniform(0.62, 0.82),
-                    0.65 * thick,
-                    depth - 1,
-                )
+                grow(end, step / np.linalg.norm(step), length * chance.uniform(0.62, 0.82), 0.65 * thick, depth - 1)
 
     grow(np.array([0.0, 0.0, -0.02]), np.array([0.0, 0.0, 1.0]), 0.75, 0.11, 5)
     count = len(vertices)

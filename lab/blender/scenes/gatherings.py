@@ -17,9 +17,7 @@ def pebbles(chance: random.Random) -> list[Object]:
     """Ninety stones in a heap."""
     stones = [making.ball("Pebble 0", 0.24, (0, 0, 0.12), 12)]
     for i in range(1, 90):
-        stones.append(
-            bpy.data.objects.new(f"Pebble {i}", stones[i % 3].data if i >= 3 else stones[0].data.copy())
-        )
+        stones.append(bpy.data.objects.new(f"Pebble {i}", stones[i % 3].data if i >= 3 else stones[0].data.copy()))
         bpy.context.collection.objects.link(stones[-1])
     for i, stone in enumerate(stones):
         radius, angle = 0.13 * math.sqrt(i), 2.39996 * i
@@ -37,10 +35,7 @@ def bolts(chance: random.Random) -> list[Object]:
     """Screws that stand and lie about."""
     parts = []
     for i in range(12):
-        x, y = (
-            0.72 * (i % 4 - 1.5) + chance.uniform(-0.1, 0.1),
-            0.75 * (i // 4 - 1) + chance.uniform(-0.1, 0.1),
-        )
+        x, y = (0.72 * (i % 4 - 1.5) + chance.uniform(-0.1, 0.1), 0.75 * (i // 4 - 1) + chance.uniform(-0.1, 0.1))
         bpy.ops.mesh.primitive_cylinder_add(
             vertices=6, radius=0.27, depth=0.2, location=(x, y, 0.1), rotation=(0, 0, chance.uniform(0, 1))
         )
@@ -66,9 +61,7 @@ def columns(_: random.Random) -> list[Object]:
 def chair(_: random.Random) -> list[Object]:
     """A chair with a back of slats."""
     legs = [
-        making.box(
-            f"Leg {i}", (0.09, 0.09, 0.9), (0.45 * (1 if i % 2 else -1), 0.4 * (1 if i // 2 else -1), 0.45)
-        )
+        making.box(f"Leg {i}", (0.09, 0.09, 0.9), (0.45 * (1 if i % 2 else -1), 0.4 * (1 if i // 2 else -1), 0.45))
         for i in range(4)
     ]
     slats = [making.box(f"Slat {i}", (0.1, 0.06, 0.85), (0.2 * (i - 2), 0.42, 1.4)) for i in range(5)]
@@ -84,9 +77,7 @@ def house(_: random.Random) -> list[Object]:
     """A cottage, its roof, a chimney and two fir trees."""
     roof = making.mesh(
         "Roof",
-        np.array(
-            [(-1, -0.8, 0.9), (1, -0.8, 0.9), (1, 0.8, 0.9), (-1, 0.8, 0.9), (-1, 0, 1.7), (1, 0, 1.7)], float
-        ),
+        np.array([(-1, -0.8, 0.9), (1, -0.8, 0.9), (1, 0.8, 0.9), (-1, 0.8, 0.9), (-1, 0, 1.7), (1, 0, 1.7)], float),
         [(0, 1, 5), (0, 5, 4), (2, 3, 4), (2, 4, 5), (1, 2, 5), (3, 0, 4), (0, 3, 2), (0, 2, 1)],
     )
     roof.data.shade_flat()
@@ -96,9 +87,7 @@ def house(_: random.Random) -> list[Object]:
         making.box("Chimney", (0.22, 0.22, 0.7), (0.55, 0.2, 1.6), bevel=0.0),
     ]
     for i, (x, y, height) in enumerate([(-1.45, 0.5, 1.8), (1.5, -0.25, 1.3)]):
-        bpy.ops.mesh.primitive_cone_add(
-            vertices=32, radius1=0.45, depth=height, location=(x, y, 0.2 + height / 2)
-        )
+        bpy.ops.mesh.primitive_cone_add(vertices=32, radius1=0.45, depth=height, location=(x, y, 0.2 + height / 2))
         parts.append(making.finish_active(f"Fir {i}"))
     return parts
 
@@ -126,10 +115,7 @@ def car(_: random.Random) -> list[Object]:
     """A toy car."""
     soft = {"bevel": {"width": 0.16, "segments": 6}}
     parts = []
-    for name, size, place in (
-        ("Body", (2.4, 1.0, 0.5), (0.0, 0.0, 0.5)),
-        ("Cabin", (1.2, 0.85, 0.5), (0.1, 0, 0.92)),
-    ):
+    for name, size, place in (("Body", (2.4, 1.0, 0.5), (0.0, 0.0, 0.5)), ("Cabin", (1.2, 0.85, 0.5), (0.1, 0, 0.92))):
         bpy.ops.mesh.primitive_cube_add(size=1.0, location=place)
         bpy.context.object.scale = size
         bpy.ops.object.transform_apply(location=False, rotation=False, scale=True)
@@ -146,9 +132,7 @@ def car(_: random.Random) -> list[Object]:
 def lantern(_: random.Random) -> list[Object]:
     """A glowing bulb between four posts under a roof."""
     posts = [
-        making.box(
-            f"Post {i}", (0.08, 0.08, 1.3), (0.45 * (1 if i % 2 else -1), 0.45 * (1 if i // 2 else -1), 0.75)
-        )
+        making.box(f"Post {i}", (0.08, 0.08, 1.3), (0.45 * (1 if i % 2 else -1), 0.45 * (1 if i // 2 else -1), 0.75))
         for i in range(4)
     ]
     bpy.ops.mesh.primitive_cone_add(
@@ -164,9 +148,7 @@ def lantern(_: random.Random) -> list[Object]:
 
 def blind(_: random.Random) -> list[Object]:
     """A ball behind a blind, whose slats cut the light."""
-    slats = [
-        making.box(f"Slat {i}", (2.6, 0.02, 0.16), (-0.2, -0.9, 0.3 + 0.3 * i), bevel=0.0) for i in range(7)
-    ]
+    slats = [making.box(f"Slat {i}", (2.6, 0.02, 0.16), (-0.2, -0.9, 0.3 + 0.3 * i), bevel=0.0) for i in range(7)]
     for slat in slats:
         slat.visible_camera, slat.rotation_euler = True, (0.5, 0.0, -0.75)
         slat.location.x -= 0.75

@@ -39,10 +39,7 @@ def lounge(chance: random.Random) -> list[Object]:
     sofa = _placed(props.sofa(chance), 0.0, 1.2, 0.8)
     rug = making.box("Rug", (3.2, 2.0, 0.03), (0.0, -0.6, 0.015))
     table = making.box("Table", (1.2, 0.7, 0.35), (0.0, -0.7, 0.2), bevel=0.04)
-    window, picture = (
-        _pane("Window", (1.1, 1.3), (-1.6, 2.3, 2.2)),
-        _pane("Picture", (1.2, 0.8), (0.9, 2.3, 2.4)),
-    )
+    window, picture = (_pane("Window", (1.1, 1.3), (-1.6, 2.3, 2.2)), _pane("Picture", (1.2, 0.8), (0.9, 2.3, 2.4)))
     return [window, rug, table, picture, *sofa]
 
 
@@ -50,8 +47,7 @@ def bedroom(_: random.Random) -> list[Object]:
     """A bed, pillows, a night table with a glowing shade."""
     bed = making.box("Bed", (2.0, 2.6, 0.5), (-0.6, 0.9, 0.25), bevel=0.08)
     pillows = [
-        making.box(f"Pillow {i}", (0.8, 0.5, 0.22), (x, 1.8, 0.6), bevel=0.1)
-        for i, x in enumerate((-1.1, -0.1))
+        making.box(f"Pillow {i}", (0.8, 0.5, 0.22), (x, 1.8, 0.6), bevel=0.1) for i, x in enumerate((-1.1, -0.1))
     ]
     board = making.box("Board", (2.2, 0.12, 1.3), (-0.6, 2.25, 0.65))
     table = making.box("Night Table", (0.6, 0.6, 0.6), (1.0, 1.9, 0.3))
@@ -93,13 +89,9 @@ def night_street(chance: random.Random) -> list[Object]:
     for side in (-1, 1):
         for number in range(4):
             height, y = chance.uniform(2.5, 4.5), 2.4 * number - 1.0
-            things.append(
-                making.box(f"House {side} {number}", (2.2, 2.2, height), (side * 3.4, y, height / 2))
-            )
+            things.append(making.box(f"House {side} {number}", (2.2, 2.2, height), (side * 3.4, y, height / 2)))
             things.append(making.box(f"Step {side} {number}", (0.5, 0.8, 0.2), (side * 2.1, y, 0.1)))
-            things.append(
-                making.box(f"Window {side} {number}", (0.06, 0.7, 0.8), (side * 2.28, y, 1.6), bevel=0.005)
-            )
+            things.append(making.box(f"Window {side} {number}", (0.06, 0.7, 0.8), (side * 2.28, y, 1.6), bevel=0.005))
     return things
 
 
@@ -153,10 +145,7 @@ def lake(chance: random.Random) -> list[Object]:
 
 def park(chance: random.Random) -> list[Object]:
     """A chair under a tree."""
-    return [
-        *_placed(shapes.tree(chance), -0.9, 0.8, 1.4),
-        *_placed(gatherings.chair(chance), 0.9, 0.0, 0.6, 0.4),
-    ]
+    return [*_placed(shapes.tree(chance), -0.9, 0.8, 1.4), *_placed(gatherings.chair(chance), 0.9, 0.0, 0.6, 0.4)]
 
 
 PLACES: dict[str, tuple[ShapeBuilder, tuple[str, ...]]] = {

@@ -23,19 +23,12 @@ def _tube(
 ) -> Object:
     """A round bar, or a cone that ends in another radius; rounded where it has an edge."""
     bpy.ops.mesh.primitive_cone_add(
-        vertices=48,
-        radius1=radius,
-        radius2=radius if tip is None else tip,
-        depth=length,
-        location=place,
-        rotation=turn,
+        vertices=48, radius1=radius, radius2=radius if tip is None else tip, depth=length, location=place, rotation=turn
     )
     return making.finish_active(name, 40.0, bevel={"width": 0.15 * min(radius, length), "segments": 3})
 
 
-def _ring(
-    name: str, radius: float, thickness: float, place: tuple[float, float, float], turn: float
-) -> Object:
+def _ring(name: str, radius: float, thickness: float, place: tuple[float, float, float], turn: float) -> Object:
     bpy.ops.mesh.primitive_torus_add(
         major_radius=radius,
         minor_radius=thickness,
@@ -107,9 +100,7 @@ def rocket(_: random.Random) -> list[Object]:
     fins = []
     for i in range(3):
         angle = 2 * math.pi * i / 3 - 0.6
-        fin = making.box(
-            f"Fin {i}", (0.5, 0.06, 0.55), (0.55 * math.cos(angle), 0.55 * math.sin(angle), 0.3), angle
-        )
+        fin = making.box(f"Fin {i}", (0.5, 0.06, 0.55), (0.55 * math.cos(angle), 0.55 * math.sin(angle), 0.3), angle)
         fins.append(fin)
     return [hull, *fins]
 
@@ -153,12 +144,8 @@ def lamp(_: random.Random) -> list[Object]:
 
 def sofa(_: random.Random) -> list[Object]:
     """A sofa of padded blocks."""
-    seats = [
-        _soft_box(f"Seat {i}", (1.0, 0.9, 0.3), (0.52 * side, -0.05, 0.5)) for i, side in enumerate((-1, 1))
-    ]
-    arms = [
-        _soft_box(f"Arm {i}", (0.3, 1.05, 0.75), (1.22 * side, 0.0, 0.45)) for i, side in enumerate((-1, 1))
-    ]
+    seats = [_soft_box(f"Seat {i}", (1.0, 0.9, 0.3), (0.52 * side, -0.05, 0.5)) for i, side in enumerate((-1, 1))]
+    arms = [_soft_box(f"Arm {i}", (0.3, 1.05, 0.75), (1.22 * side, 0.0, 0.45)) for i, side in enumerate((-1, 1))]
     return [_soft_box("Base", (2.4, 1.0, 0.32), (0.0, 0.0, 0.25)), _soft_box("Back", (2.4, 0.32, 0.75), (0.0, 0.45, 0.8)), *seats, *arms]  # fmt: skip
 
 

@@ -175,10 +175,7 @@ def features(recipe: SceneRecipe, mesh: tuple[str, ...]) -> list[str]:
     names += ["image texture" if t in IMAGES else "procedural texture" for t in sorted(textures)]
     names += [f"{lamp.kind.lower()} light" for lamp in recipe.lamps]
     count = len(recipe.lamps)
-    names += [
-        f"{count} light{'' if count == 1 else 's'}",
-        "HDRI world" if recipe.world.picture else "constant world",
-    ]
+    names += [f"{count} light{'' if count == 1 else 's'}", "HDRI world" if recipe.world.picture else "constant world"]
     names += [recipe.fog.feature if recipe.fog else "no fog", recipe.transform]
     names += ["grade"] if set(recipe.film) - set(_GRADE_ONLY) else []
     names += ["transparent film"] if recipe.transparent else []

@@ -27,14 +27,7 @@ from lab.blender.scenes.catalog import (
     spot,
     sun,
 )
-from lab.blender.scenes.recipe import (
-    CameraRecipe,
-    FinishRecipe,
-    FogRecipe,
-    LightRecipe,
-    SceneRecipe,
-    WorldRecipe,
-)
+from lab.blender.scenes.recipe import CameraRecipe, FinishRecipe, FogRecipe, LightRecipe, SceneRecipe, WorldRecipe
 
 PLAIN, PALE, DARK = (
     FinishRecipe((0.5, 0.5, 0.5), 0.45),

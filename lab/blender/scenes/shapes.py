@@ -37,19 +37,10 @@ def rings(_: random.Random) -> list[Object]:
     """Three tori that lean on each other."""
     parts = []
     for i, (place, turn) in enumerate(
-        [
-            ((-0.55, 0, 0.62), (1.35, 0, 0.5)),
-            ((0.55, 0.25, 0.62), (1.4, 0.1, -0.4)),
-            ((0.1, -0.75, 0.17), (0, 0, 0)),
-        ]
+        [((-0.55, 0, 0.62), (1.35, 0, 0.5)), ((0.55, 0.25, 0.62), (1.4, 0.1, -0.4)), ((0.1, -0.75, 0.17), (0, 0, 0))]
     ):
         bpy.ops.mesh.primitive_torus_add(
-            major_radius=0.5,
-            minor_radius=0.15,
-            major_segments=96,
-            minor_segments=32,
-            location=place,
-            rotation=turn,
+            major_radius=0.5, minor_radius=0.15, major_segments=96, minor_segments=32, location=place, rotation=turn
         )
         parts.append(making.finish_active(f"Ring {i}"))
     return parts
@@ -76,8 +67,7 @@ def bowl(_: random.Random) -> list[Object]:
     angles = np.linspace(0.0, 0.45 * math.pi, 20)
     wall = [(float(1.05 * math.sin(a)), float(0.9 - 0.9 * math.cos(a))) for a in angles]
     fruit = [
-        making.ball(f"Fruit {i}", 0.3, (0.36 * math.cos(2.1 * i), 0.36 * math.sin(2.1 * i), 0.5))
-        for i in range(3)
+        making.ball(f"Fruit {i}", 0.3, (0.36 * math.cos(2.1 * i), 0.36 * math.sin(2.1 * i), 0.5)) for i in range(3)
     ]
     return [making.lathe("Bowl", wall), *fruit]
 
@@ -134,9 +124,7 @@ def cage(_: random.Random) -> list[Object]:
 
 def plant(chance: random.Random) -> list[Object]:
     """Leaves on stems in a pot."""
-    pot = making.lathe(
-        "Pot", [(0.0, 0.0), (0.3, 0.0), (0.42, 0.55), (0.46, 0.55), (0.46, 0.62), (0.38, 0.62)], 0.03
-    )
+    pot = making.lathe("Pot", [(0.0, 0.0), (0.3, 0.0), (0.42, 0.55), (0.46, 0.55), (0.46, 0.62), (0.38, 0.62)], 0.03)
     return [pot, making.mesh("Leaves", *fields.leaves(chance, 46))]
 
 
@@ -154,9 +142,7 @@ def cushion(_: random.Random) -> list[Object]:
 
 def crystal(_: random.Random) -> list[Object]:
     """A crystal."""
-    bpy.ops.mesh.primitive_ico_sphere_add(
-        subdivisions=1, radius=1.0, location=(0, 0, 0.95), rotation=(0.3, 0.2, 0)
-    )
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=1, radius=1.0, location=(0, 0, 0.95), rotation=(0.3, 0.2, 0))
     return [making.finish_active("Crystal", None)]
 
 

@@ -11,14 +11,7 @@ from dataclasses import dataclass
 from vibe_render.core.color import Color
 from vibe_render.core.schema_import import schema
 
-from lab.blender.scenes.recipe import (
-    CameraRecipe,
-    FinishRecipe,
-    FogRecipe,
-    LightRecipe,
-    SceneRecipe,
-    WorldRecipe,
-)
+from lab.blender.scenes.recipe import CameraRecipe, FinishRecipe, FogRecipe, LightRecipe, SceneRecipe, WorldRecipe
 
 _STEP = 0.05
 """On the perceptual scale, to both sides."""

@@ -81,9 +81,7 @@ def _map(tree: NodeTree, _: Color) -> NodeSocket:
     """Land and sea of a few waves."""
     u, v = _square(256)
     u = 2 * np.pi * u
-    waves = (
-        np.sin(2 * u + 5 * v) + np.sin(3 * u - 7 * v + 1) + 0.6 * np.sin(5 * u + 13 * v) + 0.4 * np.sin(9 * u)
-    )
+    waves = np.sin(2 * u + 5 * v) + np.sin(3 * u - 7 * v + 1) + 0.6 * np.sin(5 * u + 13 * v) + 0.4 * np.sin(9 * u)
     land = 1 / (1 + np.exp(-12 * (waves - 0.4)))[..., None]
     return _image(tree, "Map", land * (0.78, 0.68, 0.4) + (1 - land) * (0.15, 0.4, 0.62)).outputs["Color"]
 
@@ -151,9 +149,7 @@ def _dark(color: Color, by: float) -> Color:
 def _marble(tree: NodeTree, color: Color) -> NodeSocket:
     """Veins: a wave bent by noise, in object space."""
     wave = _node(tree, "ShaderNodeTexWave", "Object", Scale=1.1, Distortion=9.0, Detail=4.0)
-    return _ramp(
-        tree, wave.outputs["Color"], (0.0, _dark(color, 0.15)), (0.25, _dark(color, 0.7)), (1.0, color)
-    )
+    return _ramp(tree, wave.outputs["Color"], (0.0, _dark(color, 0.15)), (0.25, _dark(color, 0.7)), (1.0, color))
 
 
 def _wood(tree: NodeTree, color: Color) -> NodeSocket:
@@ -165,21 +161,15 @@ def _wood(tree: NodeTree, color: Color) -> NodeSocket:
 
 def _checker(tree: NodeTree, color: Color) -> NodeSocket:
     """A board of squares, in object space."""
-    return _node(
-        tree, "ShaderNodeTexChecker", "Object", Scale=1.5, Color1=color, Color2=_dark(color, 0.2)
-    ).outputs["Color"]
+    return _node(tree, "ShaderNodeTexChecker", "Object", Scale=1.5, Color1=color, Color2=_dark(color, 0.2)).outputs[
+        "Color"
+    ]
 
 
 def _brick(tree: NodeTree, color: Color) -> NodeSocket:
     """A wall, over the UVs."""
     node = _node(
-        tree,
-        "ShaderNodeTexBrick",
-        "UV",
-        Color1=color,
-        Color2=_dark(color, 0.55),
-        Mortar=(0.5, 0.48, 0.45),
-        Scale=6.0,
+        tree, "ShaderNodeTexBrick", "UV", Color1=color, Color2=_dark(color, 0.55), Mortar=(0.5, 0.48, 0.45), Scale=6.0
     )
     return node.outputs["Color"]
 
@@ -196,8 +186,7 @@ def _worn(tree: NodeTree, shader: bpy.types.Node) -> None:
     mask = _ramp(tree, noise.outputs["Fac"], (0.46, (0.0, 0.0, 0.0)), (0.54, (1.0, 1.0, 1.0)))
     tree.links.new(mask, shader.inputs["Metallic"])
     tree.links.new(
-        _ramp(tree, noise.outputs["Fac"], (0.3, (0.6, 0.6, 0.6)), (0.6, (0.2, 0.2, 0.2))),
-        shader.inputs["Roughness"],
+        _ramp(tree, noise.outputs["Fac"], (0.3, (0.6, 0.6, 0.6)), (0.6, (0.2, 0.2, 0.2))), shader.inputs["Roughness"]
     )
 
 

@@ -11,14 +11,7 @@ from lab.heads.attributes import ATTRIBUTES
 from lab.train.pictures import looks
 
 WHOLE, ALONE, EMPTY = 0, 1, 2
-_SEEN_ALONE = (
-    "subject_color",
-    "subject_finish",
-    "subject_metal",
-    "light_side",
-    "light_softness",
-    "light_temperature",
-)
+_SEEN_ALONE = ("subject_color", "subject_finish", "subject_metal", "light_side", "light_softness", "light_temperature")
 _SEEN_EMPTY = ("surroundings_color",)
 
 
@@ -84,9 +77,7 @@ def frame(
             side = int(min(max(extent * dice.uniform(0.85, 1.35), 0.45 * size), size))
         if variant == EMPTY:
             center = [dice.uniform(0, size), dice.uniform(0, size)]
-        top, left = (
-            int(min(max(c - side / 2 + dice.uniform(-0.12, 0.12) * side, 0), size - side)) for c in center
-        )
+        top, left = (int(min(max(c - side / 2 + dice.uniform(-0.12, 0.12) * side, 0), size - side)) for c in center)
         pictures = pictures[:, :, top : top + side, left : left + side]
         box = (top / size, left / size, side / size)
         if side < 0.85 * size:

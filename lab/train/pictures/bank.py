@@ -106,9 +106,7 @@ def trace(subject: Shape, rng: Random, size: int) -> dict[str, np.ndarray]:
     for _ in range(_TRIES):
         yaw = rng.uniform(0, 2 * np.pi)
         turn = np.array([[np.cos(yaw), -np.sin(yaw), 0], [np.sin(yaw), np.cos(yaw), 0], [0, 0, 1]])
-        placed = Shape(
-            subject.triangles @ turn.T.astype(np.float32), subject.normals @ turn.T.astype(np.float32)
-        )
+        placed = Shape(subject.triangles @ turn.T.astype(np.float32), subject.normals @ turn.T.astype(np.float32))
         view = _trace(placed, rng, size)
         if not best or _coverage(view) > _coverage(best):
             best = view
@@ -152,9 +150,7 @@ def _trace(subject: Shape, rng: Random, size: int) -> dict[str, np.ndarray]:
         return out.reshape(size, size, *values.shape[1:])
 
     def light(ways: np.ndarray, reach: float = 1e3) -> np.ndarray:  # the cyclorama's wall shades nothing
-        free = alone.run(
-            point, ways.astype(np.float32), np.full(len(point), reach, np.float32), query="OCCLUDED"
-        )
+        free = alone.run(point, ways.astype(np.float32), np.full(len(point), reach, np.float32), query="OCCLUDED")
         return (free != 0).astype(np.float32)
 
     shadow = np.zeros((len(lights), 2, size, size))
@@ -168,9 +164,7 @@ def _trace(subject: Shape, rng: Random, size: int) -> dict[str, np.ndarray]:
     return {
         "kind": image(which + 1.0, VOID),
         "normal": np.moveaxis(image(normal, 0.0), -1, 0),
-        "depth": image(
-            np.minimum(hit["tfar"][hit_rays] / np.linalg.norm(origin - _pivot(subject)), FAR), FAR
-        ),
+        "depth": image(np.minimum(hit["tfar"][hit_rays] / np.linalg.norm(origin - _pivot(subject)), FAR), FAR),
         "occlusion": np.rint(255 * uniform_filter(image(free, 1.0), 3)),
         "shadow": np.rint(255 * shadow),
         "mirror": image(blocked, 0.0),

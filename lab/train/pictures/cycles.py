@@ -166,9 +166,7 @@ def _collect(folder: Path, rows: list[dict[str, Any]]) -> None:
         file.unlink()
 
 
-def _borne_out(
-    classes: Tensor, look: dict[str, Tensor], pictures: Tensor, masks: Tensor, flipped: Tensor
-) -> Tensor:
+def _borne_out(classes: Tensor, look: dict[str, Tensor], pictures: Tensor, masks: Tensor, flipped: Tensor) -> Tensor:
     """The classes (N, A) that pairs of pictures (N, 3, H, W) of bytes show."""
     display = pictures.float() / 255
     labels = visible.visible_classes(classes, look, display, masks).unflatten(0, (-1, 2))

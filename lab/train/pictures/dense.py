@@ -81,9 +81,7 @@ class MapReader(nn.Module):
         super().__init__()
         self.layer = nn.Conv2d(channels, 4 * CHANNELS, 1)
         self._grid: list[Tensor] = []
-        module.register_forward_hook(
-            lambda _module, _inputs, output: self._grid.__setitem__(slice(None), [output])
-        )
+        module.register_forward_hook(lambda _module, _inputs, output: self._grid.__setitem__(slice(None), [output]))
 
     def loss(self, truth: Tensor, weight: Tensor) -> Tensor:
         """Mean share of the maps' variance (B, CHANNELS, GRID, GRID) left unexplained in the pictures seen last.
@@ -94,7 +92,5 @@ class MapReader(nn.Module):
         maps = F.pixel_shuffle(self.layer(self._grid.pop().float()), 2)
         size = (maps.shape[-2], maps.shape[-1])
         truth, weight = F.adaptive_avg_pool2d(truth, size), F.adaptive_avg_pool2d(weight, size)
-        spread = truth.var((0, 2, 3), keepdim=True).clamp_min(
-            1e-2
-        )  # or light, which varies little, is never learned
+        spread = truth.var((0, 2, 3), keepdim=True).clamp_min(1e-2)  # or light, which varies little, is never learned
         return (weight * (maps - truth) ** 2 / spread).mean() / weight.mean().clamp_min(1e-3)

@@ -136,12 +136,10 @@ def parameters(classes: Tensor, noise: Tensor) -> dict[str, Tensor]:
 
     def color(name: str) -> Tensor:
         anchors = ANCHORS[classes[..., INDEX[name]]]
-        first, second = (
-            uniform(0, 4.999).long()[..., None, None].expand(*anchors.shape[:-2], 1, 3) for _ in range(2)
-        )
-        return torch.lerp(
-            anchors.gather(-2, first), anchors.gather(-2, second), uniform(0, 1)[..., None, None]
-        )[..., 0, :]
+        first, second = (uniform(0, 4.999).long()[..., None, None].expand(*anchors.shape[:-2], 1, 3) for _ in range(2))
+        return torch.lerp(anchors.gather(-2, first), anchors.gather(-2, second), uniform(0, 1)[..., None, None])[
+            ..., 0, :
+        ]
 
     back = (classes[..., INDEX["light_side"]] == ATTRIBUTES["light_side"].index("back")).float()
     silhouette = back * (uniform(0, 1) < 0.6)

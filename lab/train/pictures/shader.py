@@ -84,19 +84,14 @@ def _surface(
     rough = torch.lerp(subject.new_tensor(0.75), _scalar(look["roughness"]), subject)
     f0 = torch.lerp(_scalar(look["specular"]).expand_as(albedo), albedo, metal)
     half = _unit(towards - rays)
-    nh, vh = (
-        (normal * half).sum(2, keepdim=True).clamp(0, 1),
-        (-(rays * half).sum(2, keepdim=True)).clamp(0.1, 1),
-    )
+    nh, vh = ((normal * half).sum(2, keepdim=True).clamp(0, 1), (-(rays * half).sum(2, keepdim=True)).clamp(0.1, 1))
     alpha2 = (rough**2 + 0.015 + 0.05 * soft) ** 2
     lobe = alpha2 / (nh**2 * (alpha2 - 1) + 1) ** 2 / (4 * vh**2)
     highlight = (f0 + (1 - f0) * (1 - vh) ** 5) * (lobe * lit).clamp_max(30) * key
 
     mirror = rays + 2 * facing * normal
     fresnel = f0 + ((1 - rough).clamp_min(0) * (1 - f0)).clamp_min(0) * (1 - facing) ** 5
-    mirrored = (
-        _mirrored(view, look, mirror, rough) * (1 - 0.75 * view["mirror"][:, :, None]) * (0.3 + 0.7 * free)
-    )
+    mirrored = _mirrored(view, look, mirror, rough) * (1 - 0.75 * view["mirror"][:, :, None]) * (0.3 + 0.7 * free)
     return diffuse, subject * (highlight + fresnel * mirrored)
 
 
@@ -117,9 +112,7 @@ def _mirrored(view: Buffers, look: dict[str, Tensor], way: Tensor, rough: Tensor
         lx, ly, lz = view["light"].unbind(-1)
         x, y = lx * turn.cos() - ly * turn.sin(), lx * turn.sin() + ly * turn.cos()
         center = torch.nn.functional.normalize(torch.stack([x, y, lz * 0.5 + 0.25], -1), dim=-1)
-        side = torch.nn.functional.normalize(
-            torch.stack([-center[..., 1], center[..., 0], 0 * x], -1), dim=-1
-        )
+        side = torch.nn.functional.normalize(torch.stack([-center[..., 1], center[..., 0], 0 * x], -1), dim=-1)
         ahead = (way * _vector(center)).sum(2, keepdim=True)
         across = (way * _vector(side)).sum(2, keepdim=True) / ahead.clamp_min(0.05)
         high = (way * _vector(torch.linalg.cross(center, side))).sum(2, keepdim=True) / ahead.clamp_min(0.05)

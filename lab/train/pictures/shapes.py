@@ -99,12 +99,7 @@ def blob(rng: Random) -> list[Shape]:
 
 def furniture(rng: Random) -> list[Shape]:
     """Tables, chairs, shelves, benches."""
-    w, d, h, leg = (
-        rng.uniform(0.5, 1.4),
-        rng.uniform(0.4, 1.0),
-        rng.uniform(0.4, 1.0),
-        rng.uniform(0.05, 0.12),
-    )
+    w, d, h, leg = (rng.uniform(0.5, 1.4), rng.uniform(0.4, 1.0), rng.uniform(0.4, 1.0), rng.uniform(0.05, 0.12))
     parts = [box((-w, -d, h), (w, d, h + rng.uniform(0.05, 0.2)))]
     for x in (-w, w - leg):
         parts += [box((x, y, 0), (x + leg, y + leg, h)) for y in (-d, d - leg)]
@@ -140,13 +135,7 @@ def tree(rng: Random) -> list[Shape]:
             return
         for _ in range(rng.integers(2, 4)):
             turn = direction + rng.normal(0, 0.55, 3) + [0, 0, 0.15]
-            branch(
-                path[-1],
-                turn / np.linalg.norm(turn),
-                length * rng.uniform(0.6, 0.8),
-                radius * 0.55,
-                depth - 1,
-            )
+            branch(path[-1], turn / np.linalg.norm(turn), length * rng.uniform(0.6, 0.8), radius * 0.55, depth - 1)
 
     branch(np.zeros(3), np.array([0, 0, 1.0]), 1.0, rng.uniform(0.08, 0.16), 4 if leafy < 0.6 else 3)
     return parts
@@ -167,14 +156,11 @@ def animal(rng: Random) -> list[Shape]:
     for x in (-0.6 * length, 0.6 * length):
         for y in (-0.5 * girth, 0.5 * girth):
             parts.append(tube(np.linspace([x, y, z], [x, y, 0], 5), np.linspace(0.14, 0.09, 5)))
-    parts += [
-        ellipsoid((head[0] - 0.05, s * size * 0.6, head[2] + size), (0.06, 0.07, size * 0.6)) for s in (-1, 1)
-    ]
+    parts += [ellipsoid((head[0] - 0.05, s * size * 0.6, head[2] + size), (0.06, 0.07, size * 0.6)) for s in (-1, 1)]
     t = np.linspace(0, 1, 8)[:, None]
     parts.append(
         tube(
-            np.array([-length, 0, z]) + t * [-0.5, 0, 0] + t**2 * [0, 0, rng.uniform(-0.4, 0.8)],
-            0.08 - 0.05 * t[:, 0],
+            np.array([-length, 0, z]) + t * [-0.5, 0, 0] + t**2 * [0, 0, rng.uniform(-0.4, 0.8)], 0.08 - 0.05 * t[:, 0]
         )
     )
     return parts
@@ -184,23 +170,14 @@ def swimmer(rng: Random) -> list[Shape]:
     """A fish or whale: a bent spindle with fins."""
     t = np.linspace(0, 1, 30)
     path = np.stack(
-        [
-            2.4 * t - 1.2,
-            0.2 * np.sin(2 * t + rng.uniform(0, 3)),
-            0.8 + rng.uniform(-0.7, 0.7) * (t - 0.5) ** 2,
-        ],
-        -1,
+        [2.4 * t - 1.2, 0.2 * np.sin(2 * t + rng.uniform(0, 3)), 0.8 + rng.uniform(-0.7, 0.7) * (t - 0.5) ** 2], -1
     )
     radius = rng.uniform(0.25, 0.5) * np.sin(np.pi * t**0.7) ** 0.8 + 0.03
     tail, back = path[0], path[16] + [0, 0, radius[16]]
     spread = rng.uniform(0.2, 0.45)
-    fins = [
-        ellipsoid(tuple(tail + np.array([0, s * spread * 0.7, 0])), (0.16, spread, 0.04)) for s in (-1, 1)
-    ]
+    fins = [ellipsoid(tuple(tail + np.array([0, s * spread * 0.7, 0])), (0.16, spread, 0.04)) for s in (-1, 1)]
     if rng.random() < 0.5:
-        fins = [
-            ellipsoid(tuple(tail + np.array([0, 0, s * spread * 0.7])), (0.16, 0.04, spread)) for s in (-1, 1)
-        ]
+        fins = [ellipsoid(tuple(tail + np.array([0, 0, s * spread * 0.7])), (0.16, 0.04, spread)) for s in (-1, 1)]
     fins += [ellipsoid(tuple(path[20] + [0, s * 0.5, -0.15]), (0.14, 0.35, 0.05)) for s in (-1, 1)]
     return [tube(path, radius, 24), *fins, ellipsoid(tuple(back), (0.2, 0.04, 0.22))]
 
@@ -224,8 +201,7 @@ def vessel(rng: Random) -> list[Shape]:
     h = rng.uniform(0.7, 1.8)
     parts = [
         revolve(
-            np.concatenate([[0], radius, radius[::-1] * 0.9, [0]]),
-            np.concatenate([[0], h * t, h * t[::-1], [0.1]]),
+            np.concatenate([[0], radius, radius[::-1] * 0.9, [0]]), np.concatenate([[0], h * t, h * t[::-1], [0.1]])
         )
     ]
     a = np.linspace(-1.2, 1.2, 16)
@@ -236,10 +212,7 @@ def vessel(rng: Random) -> list[Shape]:
         spout = np.stack([-radius[15] - 0.6 * s, 0 * s, h * (0.3 + 0.6 * s**1.5)], -1)
         parts.append(tube(spout, 0.18 - 0.09 * s))
     if rng.random() < 0.5:
-        parts += [
-            ellipsoid((0, 0, h), (radius[-1], radius[-1], 0.18)),
-            ellipsoid((0, 0, h + 0.22), (0.12,) * 3),
-        ]
+        parts += [ellipsoid((0, 0, h), (radius[-1], radius[-1], 0.18)), ellipsoid((0, 0, h + 0.22), (0.12,) * 3)]
     return parts
 
 

@@ -63,9 +63,7 @@ def visible_classes(classes: Tensor, look: dict[str, Tensor], picture: Tensor, m
     Returns:
         (n, A) classes or `UNKNOWN`, on the CPU.
     """
-    small, share = (
-        F.interpolate(field, (32, 32), mode="area").cpu() for field in (picture, mask[:, None].float())
-    )
+    small, share = (F.interpolate(field, (32, 32), mode="area").cpu() for field in (picture, mask[:, None].float()))
     lab = lab_from_srgb(small.clamp(0, 1).movedim(1, -1)).movedim(-1, 1)
     subject = (lab * share).sum((2, 3)) / share.sum((2, 3)).clamp_min(1e-3)
     surroundings = (lab * (1 - share)).sum((2, 3)) / (1 - share).sum((2, 3)).clamp_min(1e-3)
@@ -177,9 +175,7 @@ def can_be_called(color: Tensor, lab: Tensor, tinted: Tensor) -> Tensor:
     chroma = lab[:, 1:].norm(dim=1)
     away = (torch.rad2deg(torch.atan2(lab[:, 2], lab[:, 1])) - hue + 180).remainder(360) - 180
     right = torch.where(
-        hue < 0,
-        chroma < torch.where(tinted, 18.0, 12.0),
-        (chroma > 8) & (away.abs() < torch.where(tinted, 38.0, 30.0)),
+        hue < 0, chroma < torch.where(tinted, 18.0, 12.0), (chroma > 8) & (away.abs() < torch.where(tinted, 38.0, 30.0))
     )
     return right & (lab[:, 0] >= bounds[:, 0]) & (lab[:, 0] <= bounds[:, 1])
 

@@ -90,9 +90,7 @@ def _scene(row: CheckedTable) -> LabeledScene:
         kind=row.one_of("kind", SCENE_KINDS),
         subject=row.names("subject", objects),
         objects=objects,
-        collections={
-            name: row.checked_names(name, value, objects) for name, value in row.table("collections").items()
-        },
+        collections={name: row.checked_names(name, value, objects) for name, value in row.table("collections").items()},
         parents=parents,
         places={name: _place(row, name, value) for name, value in row.table("places", objects).items()},
         lights=_lights(row, objects),
@@ -172,8 +170,6 @@ def _target(row: CheckedTable, text: str, scene: LabeledScene) -> LabelTarget:
         name = part.removeprefix(_LIGHT_PREFIX)
         known = (lights if lit else scene.glows) if name != part else scene.materials
         if name not in known:
-            raise row.problem(
-                f"'{part}' is not in '{scene.name}'.", f"Use: {', '.join((*known, *TARGETS))}.", text
-            )
+            raise row.problem(f"'{part}' is not in '{scene.name}'.", f"Use: {', '.join((*known, *TARGETS))}.", text)
     names = frozenset(part.removeprefix(_LIGHT_PREFIX) for part in parts)
     return LabelTarget("lights" if lit else "materials", names)

@@ -40,9 +40,7 @@ def right_pairs(sentence: LabeledSentence, read: PromptPairs) -> list[list[bool]
         wanted = label.targets if label else (LabelTarget("none"),)
         right = [any(is_right(pair, target, sentence.scene) for target in wanted) for pair in pairs]
         following = read.passage.tinged(look)
-        if (
-            label and following and _covers(label, places.get(following.index))
-        ):  # one word to the artist: "fire red"
+        if label and following and _covers(label, places.get(following.index)):  # one word to the artist: "fire red"
             right = [r or pair.target.kind == TINGE for r, pair in zip(right, pairs, strict=True)]
         if not label:
             right = _unlabeled(right, pairs, sentence, _names_a_thing(look.index, read))
@@ -56,9 +54,7 @@ def _names_a_thing(index: int, read: PromptPairs) -> bool:
     return any(each.kind == "things" for each in named)
 
 
-def _unlabeled(
-    right: list[bool], pairs: list[TargetPair], sentence: LabeledSentence, a_thing: bool
-) -> list[bool]:
+def _unlabeled(right: list[bool], pairs: list[TargetPair], sentence: LabeledSentence, a_thing: bool) -> list[bool]:
     """The right target of a word that needs no label: it says where a light comes from, or only names what it is ("sunlight").
 
     A word that names a thing of the scene is no setting besides: "lake" of "lake emerald" where there is a lake. Other
@@ -75,9 +71,7 @@ def _unlabeled(
     known = any(t and pair.target.names for t, pair in zip(themselves, pairs, strict=True))
     if any(themselves):
         return [t or (known and r) for t, r in zip(themselves, right, strict=True)]
-    around = [
-        not a_thing and pair.sense.slot == "setting" and pair.target.kind == "surroundings" for pair in pairs
-    ]
+    around = [not a_thing and pair.sense.slot == "setting" and pair.target.kind == "surroundings" for pair in pairs]
     return [r or a for r, a in zip(right, around, strict=True)]
 
 
@@ -121,19 +115,13 @@ def is_right(pair: TargetPair, wanted: LabelTarget, scene: LabeledScene) -> bool
     kind, names = pair.target.kind, pair.target.names
     if wanted.kind in ("materials", "subject", "surroundings"):
         meant = wanted.names if wanted.kind == "materials" else scene.materials_of(wanted.kind)
-        return (
-            kind == wanted.kind
-            or (kind in MATTER and _painted(pair, scene) == meant)
-            or _plain(names) == meant
-        )
+        return kind == wanted.kind or (kind in MATTER and _painted(pair, scene) == meant) or _plain(names) == meant
     if wanted.kind == "lights":
         return _plain(names) == wanted.names
     if wanted.kind in ROLES:
         return kind == wanted.kind or (bool(names) and names == _of_role(wanted.kind, scene))
     if wanted.kind == "light":
-        return kind in ("light", "shadow", "highlight") or (
-            kind == "lights" and names == _of_role("key", scene)
-        )
+        return kind in ("light", "shadow", "highlight") or (kind == "lights" and names == _of_role("key", scene))
     if wanted.kind == "picture" and kind in ("shadow", "highlight"):
         return True
     if wanted.kind == "picture" and kind in ("light", "air"):

@@ -36,9 +36,7 @@ _TABLES = {
     "subject_color": COLOR_WORDS, "surroundings_color": COLOR_WORDS, "subject_finish": FINISH_WORDS, "subject_metal": METAL_WORDS, **_PLAIN,
 }  # fmt: skip
 _SYLLABLES = tuple(
-    c + v
-    for c in ("b", "d", "f", "g", "k", "l", "m", "n", "p", "r", "s", "t", "v", "z", "st", "ch")
-    for v in "aeiou"
+    c + v for c in ("b", "d", "f", "g", "k", "l", "m", "n", "p", "r", "s", "t", "v", "z", "st", "ch") for v in "aeiou"
 )
 _PLACES = (
     "{c} background", "a {c} background", "on a {c} background", "{c} backdrop", "{c} surroundings", "against {c}", "{c} studio",
@@ -135,9 +133,7 @@ def _thing(rest: AttributeClasses, dice: random.Random, split: WordingSplit) -> 
         rest.pop("subject_color"), rest.pop("light_side")
         return dice.choice((f"{noun} silhouette", f"silhouette of a {noun}", f"dark silhouette of a {noun}"))
     color = _color(rest.pop("subject_color"), dice, split) if "subject_color" in rest else ""
-    finish = (
-        dice.choice(split.of(FINISH_WORDS[rest.pop("subject_finish")])) if "subject_finish" in rest else ""
-    )
+    finish = dice.choice(split.of(FINISH_WORDS[rest.pop("subject_finish")])) if "subject_finish" in rest else ""
     metal = dice.choice(split.of(METAL_WORDS[rest.pop("subject_metal")])) if "subject_metal" in rest else ""
     if not (color or finish or metal) and rest and dice.random() < 0.5:
         return ""
@@ -175,16 +171,8 @@ def mention(classes: AttributeClasses, flipped: str | None, dice: random.Random)
     Returns:
         A part of `classes`, in the order of `ATTRIBUTES`; empty if there is nothing worth saying.
     """
-    dull = {
-        "fog": "none",
-        "brightness": "medium",
-        "contrast": "medium",
-        "saturation": "natural",
-        "vignette": "none",
-    }
-    names = [
-        name for name in classes if dull.get(name) != classes[name] or dice.random() < 0.3 or name == flipped
-    ]
+    dull = {"fog": "none", "brightness": "medium", "contrast": "medium", "saturation": "natural", "vignette": "none"}
+    names = [name for name in classes if dull.get(name) != classes[name] or dice.random() < 0.3 or name == flipped]
     if not names:
         return {}
     count = min(len(names), dice.choice((1, 1, 2, 2, 2, 3, 3, 4, 5, 7)))
@@ -199,8 +187,7 @@ def samples(count: int, seed: int, split: WordingSplit = TRAINED) -> list[str]:
     dice = random.Random(seed)
     drawn = ({name: dice.choice(classes) for name, classes in ATTRIBUTES.items()} for _ in range(count))
     sentences = [
-        caption(mention(classes, None, dice) or classes, dice, dice.random() < 0.2, split)
-        for classes in drawn
+        caption(mention(classes, None, dice) or classes, dice, dice.random() < 0.2, split) for classes in drawn
     ]
     colors = [name for names in color_names().values() for name in split.of(names)]
     return [*sentences, *NOUNS, *colors, *(phrase for phrase, _ in phrases())]

@@ -17,9 +17,7 @@ class MiniLM:
         from safetensors.torch import load_file
         from tokenizers import Tokenizer
 
-        self._w = {
-            k.removeprefix("bert."): v.float() for k, v in load_file(folder / "model.safetensors").items()
-        }
+        self._w = {k.removeprefix("bert."): v.float() for k, v in load_file(folder / "model.safetensors").items()}
         self._tokens = Tokenizer.from_file(str(folder / "tokenizer.json"))
         self._tokens.enable_truncation(48)
         self._tokens.no_padding()
@@ -41,10 +39,7 @@ class MiniLM:
     def _forward(self, tokens: torch.Tensor, lengths: torch.Tensor) -> torch.Tensor:
         w, count = self._w, tokens.shape[1]
         used = torch.arange(count)[None] < lengths[:, None]
-        x = (
-            w["embeddings.word_embeddings.weight"][tokens]
-            + w["embeddings.position_embeddings.weight"][:count]
-        )
+        x = w["embeddings.word_embeddings.weight"][tokens] + w["embeddings.position_embeddings.weight"][:count]
         x = self._norm(x + w["embeddings.token_type_embeddings.weight"][0], "embeddings.LayerNorm")
         for layer in range(6):
             at = f"encoder.layer.{layer}."

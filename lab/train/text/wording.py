@@ -175,9 +175,7 @@ def phrases() -> list[tuple[str, AttributeClasses]]:
     return [
         (entry.phrase, classes_of(entry))
         for entry in _asking()
-        if "subject_color" in classes_of(entry)
-        or entry.slot != "material"
-        or not colors & {*entry.phrase.split()}
+        if "subject_color" in classes_of(entry) or entry.slot != "material" or not colors & {*entry.phrase.split()}
     ]
 
 

@@ -121,9 +121,7 @@ def _synset(line: str) -> tuple[str, Synset]:
     offset, file, kind, count = parts[0], int(parts[1]), parts[2].replace("s", "a"), int(parts[3], 16)
     words = [_plain(w) for w in parts[4 : 4 + 2 * count : 2]]
     rest = parts[4 + 2 * count :]
-    links = [
-        (rest[1 + 4 * i], rest[3 + 4 * i].replace("s", "a") + rest[2 + 4 * i]) for i in range(int(rest[0]))
-    ]
+    links = [(rest[1 + 4 * i], rest[3 + 4 * i].replace("s", "a") + rest[2 + 4 * i]) for i in range(int(rest[0]))]
     return kind + offset, Synset(words, gloss.split('; "')[0].strip(), _FILES[file], links)
 
 

@@ -94,9 +94,7 @@ def unit(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-9)
 
 
-def features(
-    words: list[str], net: WordNet, glove: dict[str, list[float]], model: Path, work: Path
-) -> np.ndarray:
+def features(words: list[str], net: WordNet, glove: dict[str, list[float]], model: Path, work: Path) -> np.ndarray:
     """Vectors of words: the encoder's of the word and of its glosses, and GloVe's.
 
     Args:
@@ -121,9 +119,7 @@ def features(
         hits = [glove[part][:100] for part in word.split() if part in glove]
         if hits:
             row[:] = np.mean(hits, 0)
-    return np.hstack(
-        [weight * unit(v - v.mean(0)) for weight, v in ((0.9, name), (0.9, gloss), (0.8, unit(places)))]
-    )
+    return np.hstack([weight * unit(v - v.mean(0)) for weight, v in ((0.9, name), (0.9, gloss), (0.8, unit(places)))])
 
 
 Encoded = dict[str, np.ndarray]
@@ -140,12 +136,9 @@ def encoded(words: list[str], net: WordNet, model: Path, work: Path) -> tuple[En
         Word -> vector, and synset -> vector; also of other words that are kept.
     """
     store = work / "encoded.npz"
-    kept = (
-        np.load(store) if store.is_file() else {k: np.array([]) for k in ("words", "name", "keys", "gloss")}
-    )
+    kept = np.load(store) if store.is_file() else {k: np.array([]) for k in ("words", "name", "keys", "gloss")}
     names, meanings = (
-        dict(zip(kept[key].tolist(), kept[value], strict=True))
-        for key, value in (("words", "name"), ("keys", "gloss"))
+        dict(zip(kept[key].tolist(), kept[value], strict=True)) for key, value in (("words", "name"), ("keys", "gloss"))
     )
     keys = dict.fromkeys(key for word in words for key, _ in net.senses.get(word, [])[:SENSES])
     new, unread = [w for w in words if w not in names], [k for k in keys if k not in meanings]
@@ -207,10 +200,7 @@ def build(vocabulary: Vocabulary, model: Path, wordnet: Path, glove: Path, work:
     labels = np.array([entries[vocabulary.synonyms[words[i]]] for i in by_heart])
     places = unit((vectors - vectors[by_heart].mean(0)) @ projection(vectors[by_heart], labels))
     common = [w for w in wink["words"][:_COMMON] if w.isalpha() and len(w) > 2 and w not in kinds]
-    tensors = {
-        "vectors": coarse(places),
-        "kinds": np.array([kinds[word] for word in words], np.uint8),
-    }
+    tensors = {"vectors": coarse(places), "kinds": np.array([kinds[word] for word in words], np.uint8)}
     lists = {"words": words, "common": common}
     save_file(tensors, FILE, {name: "\n".join(some) for name, some in lists.items()} | {"license": LICENSE})
     print(f"{len(words)} words, {FILE.stat().st_size / 1e6:.1f} MB")

@@ -45,12 +45,8 @@ MEASURES: dict[str, Measure] = {
     "black_point": Measure(color.tone(0.02), "L*", 2.0, "lightness of the darkest parts of the {}"),
     "white_point": Measure(color.tone(0.98), "L*", 2.0, "lightness of the lightest parts of the {}"),
     "vignette": Measure(color.vignette, "L*", 1.5, "darkening of the corners of the {}"),
-    "standing_out": Measure(
-        color.standing_out, "L*", 3.0, "lightness of the {} above the surroundings", beside=True
-    ),
-    "silhouette": Measure(
-        color.silhouette, "L*", 3.0, "darkness of the {} against the surroundings", beside=True
-    ),
+    "standing_out": Measure(color.standing_out, "L*", 3.0, "lightness of the {} above the surroundings", beside=True),
+    "silhouette": Measure(color.silhouette, "L*", 3.0, "darkness of the {} against the surroundings", beside=True),
     "separation": Measure(color.separation, "ΔE", 2.0, "color distance of the {} from what is around it"),
     "burnt": Measure(color.burnt, "", 0.02, "overexposed share of the {}"),
     "clipped": Measure(color.clipped, "", 0.01, "share of the {} with a clipped channel"),
@@ -62,9 +58,7 @@ MEASURES: dict[str, Measure] = {
     "key_to_fill": Measure(light.key_to_fill, "stops", 0.3, "contrast of light and shade on the {}"),
     "rim": Measure(light.rim, "L*", 3.0, "lightness of the outline of the {} above the inside"),
     "gloss": Measure(light.gloss, "L*", 1.5, "contrast of highlights on the {}", of_finish=True),
-    "sharpness": Measure(
-        light.sharpness, "L* per pixel", 0.4, "sharpness of reflections on the {}", of_finish=True
-    ),
+    "sharpness": Measure(light.sharpness, "L* per pixel", 0.4, "sharpness of reflections on the {}", of_finish=True),
     "unscattered": Measure(
         light.unscattered, "", 0.05, "share of mirrored or transmitted light on the {}", of_finish=True
     ),

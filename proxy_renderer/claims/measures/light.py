@@ -209,9 +209,7 @@ def sharpness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return slope[first : max(last, first + 1)].mean()[None] * (max(where.shape) / GRAIN)
 
 
-def _by_material(
-    picture: MeasuredPicture, where: Tensor, take: Callable[[Tensor, Tensor, Tensor], Tensor]
-) -> Tensor:
+def _by_material(picture: MeasuredPicture, where: Tensor, take: Callable[[Tensor, Tensor, Tensor], Tensor]) -> Tensor:
     """(1,) mean over materials, weighted by their n pixels, of `take`(light (n,), normals (n, 3), places (n, 2)); 0 if all are small."""
     seen, found = picture.seen, []
     where = where & (seen.normal.norm(dim=-1) > 0.5)

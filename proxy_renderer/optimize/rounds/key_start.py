@@ -58,9 +58,7 @@ def with_key_turned(
 class _TurnedKey:
     """Compares an image with the scene at u whose key light is turned to other directions."""
 
-    def __init__(
-        self, scene: SceneData, vector: ParameterVector, light: str, u: Tensor, goal: Tensor
-    ) -> None:
+    def __init__(self, scene: SceneData, vector: ParameterVector, light: str, u: Tensor, goal: Tensor) -> None:
         self._proxy = Proxy(scene, picture_size(scene.resolution, _SIZE))
         self._vector, self._u = vector, u
         self._keys = f"{light}/azimuth", f"{light}/elevation"
@@ -85,10 +83,7 @@ class _TurnedKey:
         return values[self._keys[0]][0], values[self._keys[1]][0]
 
     def best_of(
-        self,
-        directions: Iterable[tuple[float, float]],
-        box: tuple[Tensor, Tensor],
-        best: tuple[Tensor, float],
+        self, directions: Iterable[tuple[float, float]], box: tuple[Tensor, Tensor], best: tuple[Tensor, float]
     ) -> tuple[Tensor, float]:
         """The point most like the image, and its likeness, among directions (azimuth, elevation), in degrees, and the best so far."""
         for azimuth, elevation in directions:

@@ -86,9 +86,7 @@ class Search:
         self.vector, self.shots = gathered([replace(v, scene=scene) for v, scene in staged], options, proxy)
         described = stage.understood.scene
         words = bool(stage.understood.prompt.strip()) or isinstance(stage.goals, Goals)
-        self._offline, asked = (
-            self._with_picture(each, words) for each in (stage.advisor, advisor or stage.advisor)
-        )
+        self._offline, asked = (self._with_picture(each, words) for each in (stage.advisor, advisor or stage.advisor))
         self.confiner = Confiner(self.vector, self.shots, described, asked, self.method.plan)
         self.several = options.variants > 1
         # Each variant gets half the rounds, so that several take less time than as many vibes.
@@ -153,9 +151,7 @@ class Search:
         """The shots at u (N,) with guidance by a round's advice; shots without claims get them."""
         if self._asked != (asked := (advice.prompts, advice.unmeasured)):
             self._asked, every = asked, bool(self.options.encoder)
-            self._guidance = [
-                self.method.guidance(self._encoder, advice, image, every) for image in self._artist
-            ]
+            self._guidance = [self.method.guidance(self._encoder, advice, image, every) for image in self._artist]
         rows = zip(shots, self._artist, self._guidance, strict=True)
         return [replace(shot.judged(self.claims, image, u), guidance=g) for shot, image, g in rows]
 

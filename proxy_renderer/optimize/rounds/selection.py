@@ -56,12 +56,7 @@ class Selection:
 
 
 def select(
-    now: Confined,
-    vector: ParameterVector,
-    shots: Sequence[ShotState],
-    u: Tensor,
-    options: Options,
-    weights: Weights,
+    now: Confined, vector: ParameterVector, shots: Sequence[ShotState], u: Tensor, options: Options, weights: Weights
 ) -> Selection:
     """S_K (equation 7), chosen at u (N,): at most `top_k` parameters that receive gradients.
 
@@ -90,9 +85,7 @@ def select(
         parts[key] = slice(end - int(wide[vector.slices[key]].sum()), end)
 
     candidates = needed(plan, model, parts, low, high)
-    keys, shared = choose(
-        plan, options.top_k, model, candidates, low, high, _HALF + _MISSED * now.here.opening
-    )
+    keys, shared = choose(plan, options.top_k, model, candidates, low, high, _HALF + _MISSED * now.here.opening)
     mine = torch.zeros(len(low), dtype=torch.bool)
     for key in keys:
         mine[parts[key]] = True
@@ -128,13 +121,7 @@ def needed(
 
 
 def choose(
-    plan: Plan,
-    k: int,
-    model: LinearModel,
-    parts: Mapping[str, slice],
-    low: Tensor,
-    high: Tensor,
-    half: float = _HALF,
+    plan: Plan, k: int, model: LinearModel, parts: Mapping[str, slice], low: Tensor, high: Tensor, half: float = _HALF
 ) -> tuple[list[str], dict[str, str]]:
     """The K most important parameters, by priority and by how much each can still lower the loss next to those chosen before.
 

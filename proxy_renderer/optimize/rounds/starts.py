@@ -82,9 +82,7 @@ def _coarse_pass(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, 
     chosen = search.select(now, point, few)
     movable = search.vector.mark(chosen.keys) & (now.upper > now.lower)
     here, seed = replace(now, u=point), search.options.seed
-    u = search.method.descend(
-        here, chosen, movable, _COARSE_STEPS, seed, lambda *_: search.observer.stopped()
-    ).u
+    u = search.method.descend(here, chosen, movable, _COARSE_STEPS, seed, lambda *_: search.observer.stopped()).u
     with torch.no_grad():
         images = [shot.draw(u) for shot in now.shots]
         losses = []

@@ -177,15 +177,11 @@ class TriangleArrays:
         corners, normals, uvs = (
             torch.from_numpy(each).to(device).transpose(0, 1) for each in (places, mesh.normals, mesh.uvs)
         )
-        material, owner = (
-            torch.from_numpy(each).to(device, torch.int64) for each in (mesh.material, mesh.object)
-        )
+        material, owner = (torch.from_numpy(each).to(device, torch.int64) for each in (mesh.material, mesh.object))
         return cls(corners, normals, uvs, material, owner, float(np.linalg.norm(high - low)))
 
 
-_on_device: weakref.WeakKeyDictionary[SceneMesh, dict[torch.device, TriangleArrays]] = (
-    weakref.WeakKeyDictionary()
-)
+_on_device: weakref.WeakKeyDictionary[SceneMesh, dict[torch.device, TriangleArrays]] = weakref.WeakKeyDictionary()
 """The triangles of each mesh by device; all renderers of the mesh share them."""
 
 
@@ -211,12 +207,7 @@ class RayGeometry:
     """
 
     def __init__(
-        self,
-        mesh: SceneMesh,
-        hidden: list[frozenset[str]],
-        opacity: Opacity,
-        glassy: Tensor,
-        device: torch.device,
+        self, mesh: SceneMesh, hidden: list[frozenset[str]], opacity: Opacity, glassy: Tensor, device: torch.device
     ) -> None:
         self.device = device
         triangles = _arrays_of(mesh, device)
@@ -299,9 +290,7 @@ class RayGeometry:
         u, v, distance = (torch.from_numpy(p).to(self.device) for p in met[1:])
         return Hits(triangle, u, v, torch.where(triangle >= 0, distance, torch.inf))
 
-    def clear(
-        self, origin: Tensor, toward: Tensor, distance: Tensor, without: int = -1, ray: str = "shadow"
-    ) -> Tensor:
+    def clear(self, origin: Tensor, toward: Tensor, distance: Tensor, without: int = -1, ray: str = "shadow") -> Tensor:
         """Share (N,) of light that passes along unit directions (3, N) over meters (N,); a material `without` that is set apart blocks none."""
         passing = torch.ones(origin.shape[1], device=self.device)
         blocking = [c for c in self._classes if ray not in c.hidden]

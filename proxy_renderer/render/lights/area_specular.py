@@ -80,9 +80,7 @@ def area_specular(
     return AreaSpecular(strength, basis(at_half), tan_in, tan_out, outline)
 
 
-def _round_place(
-    direct: DirectIrradiance, normal: Tensor, view: Tensor, out: Tensor
-) -> tuple[Tensor, Tensor, Tensor]:
+def _round_place(direct: DirectIrradiance, normal: Tensor, view: Tensor, out: Tensor) -> tuple[Tensor, Tensor, Tensor]:
     """A round light in slope space: outline (5, N), squared slope (N,) of its nearest point, and h.v / h.n (N,) there.
 
     Nearest means to the mirror direction. In slope space the light is an ellipse, which is longer across the plane of reflection
@@ -99,8 +97,7 @@ def _round_place(
     x, y = dot(half, across) / up, dot(half, upwards) / up
     # Derivatives of the half vector's slope along two axes of the light's disc.
     sides = [
-        ((dot(e, across) - x * dot(e, normal)), (dot(e, upwards) - y * dot(e, normal)))
-        for e in tangents(direct.toward)
+        ((dot(e, across) - x * dot(e, normal)), (dot(e, upwards) - y * dot(e, normal))) for e in tangents(direct.toward)
     ]
     scale = direct.solid_angle / (4 * math.pi * (aside * up) ** 2)
     xx, yy, xy = (scale * (sides[0][i] * sides[0][k] + sides[1][i] * sides[1][k]) for i, k in _PAIRS)

@@ -51,9 +51,7 @@ class EnvironmentSun:
         """True if reflections show the sun as a part of the image, not as the highlight of a disc."""
         return self.angle > _WIDE
 
-    def lamp(
-        self, number: int, tint: Tensor, turn: Tensor, hidden: tuple[str, ...] = ()
-    ) -> EnvironmentSunLight:
+    def lamp(self, number: int, tint: Tensor, turn: Tensor, hidden: tuple[str, ...] = ()) -> EnvironmentSunLight:
         """The sun as a light, in a world of color `tint` (3,), turned by `turn` () radians and `hidden` from kinds of rays."""
         c, s, zero = turn.cos(), turn.sin(), torch.zeros_like(turn)
         one = torch.ones_like(turn)
@@ -116,9 +114,7 @@ def _middle(light: Tensor, toward: Tensor, solid: Tensor) -> Tensor:
     return middle / middle.norm().clamp_min(1e-20)
 
 
-def _extent(
-    small: Tensor, toward: Tensor, solid: Tensor, peak: Tensor, weights: Tensor
-) -> tuple[float, Tensor]:
+def _extent(small: Tensor, toward: Tensor, solid: Tensor, peak: Tensor, weights: Tensor) -> tuple[float, Tensor]:
     """Cosine of the least radius in `_RADII` that contains most of a peak's light, and the color (3,) of the ring around it."""
     candidates = []
     for degrees in _RADII:

@@ -284,9 +284,7 @@ LIGHT_TYPES: dict[str, type[LightSource]] = {
 """Blender's name of a light type to its class."""
 
 
-def light_sources(
-    scene: SceneData, values: RenderValues, made: Remembered | None = None
-) -> list[LightSource]:
+def light_sources(scene: SceneData, values: RenderValues, made: Remembered | None = None) -> list[LightSource]:
     """All lights of the scene at the render's values; `made` keeps those whose values stay the same."""
     kept = made or Remembered()
     found = []

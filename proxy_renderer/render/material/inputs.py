@@ -216,9 +216,7 @@ class MaterialTextures:
             result = result.index_copy(1, index, sampled / mean)
         return result
 
-    def _seen(
-        self, window: tuple[float, float, float, float], surface: Surface, geometry: RayGeometry
-    ) -> Tensor:
+    def _seen(self, window: tuple[float, float, float, float], surface: Surface, geometry: RayGeometry) -> Tensor:
         """(N,) bool: points inside a window of the exported camera's image that the camera sees, not hidden by others."""
         place = self._through(window, surface.position)
         eye = self._view.position[:, None]
@@ -299,9 +297,6 @@ def geometry_of(scene: SceneData, device: torch.device) -> RayGeometry:
     """The scene's triangles, with the opacity of their materials."""
     hidden = [frozenset(thing.hidden) for thing in scene.objects]
     glassy = torch.tensor(
-        [
-            "transmission" in m.maps or scene.value(f"material/{m.name}/transmission")[0] > 0.0
-            for m in scene.materials
-        ]
+        ["transmission" in m.maps or scene.value(f"material/{m.name}/transmission")[0] > 0.0 for m in scene.materials]
     )
     return RayGeometry(scene.mesh, hidden, MaterialOpacity(scene, device), glassy, device)

@@ -40,9 +40,7 @@ class _Shadowed:
 class DirectLights:
     """The direct light of each light in one view, whose samples are `seen`."""
 
-    def __init__(
-        self, geometry: RayGeometry, samples: Samples, seen: ViewSamples, clusters: LightClusters
-    ) -> None:
+    def __init__(self, geometry: RayGeometry, samples: Samples, seen: ViewSamples, clusters: LightClusters) -> None:
         self._geometry, self._samples, self._seen, self._clusters = geometry, samples, seen, clusters
         self._smoothing = ShadowFilter(samples, seen.surface)
         self._pixel = samples.pixel[: samples.surfaces]
@@ -65,9 +63,7 @@ class DirectLights:
         self._kept.pop(index, None)
         return True
 
-    def of(
-        self, index: int, lamps: Sequence[LightSource], view_samples: ViewSamples, view: View
-    ) -> DirectLight:
+    def of(self, index: int, lamps: Sequence[LightSource], view_samples: ViewSamples, view: View) -> DirectLight:
         """The direct light of a light, kept until `forget_moved` drops it; differentiable if light or camera moves."""
         lamp, moving = lamps[index], lamps[index].moving or view_samples.moving
         kept = self._kept.get(index)
@@ -89,9 +85,7 @@ class DirectLights:
         members = self._clusters.clusters[self._clusters.row[index]].members
         return tuple(number for member in members for number in lamps[member].signature())
 
-    def _shadowed(
-        self, index: int, lamps: Sequence[LightSource], direct: DirectIrradiance | None
-    ) -> _Shadowed:
+    def _shadowed(self, index: int, lamps: Sequence[LightSource], direct: DirectIrradiance | None) -> _Shadowed:
         """Traces a light's shadows; its unshadowed irradiance is computed where the caller has none."""
         lamp, row, signature = lamps[index], self._clusters.row[index], self._signature(index, lamps)
         view = self._geometry, self._smoothing
@@ -180,9 +174,7 @@ class DirectLight:
         return DirectLight(self.irradiance * passing, specular, self.paths)
 
     @staticmethod
-    def of(
-        lamp: LightSource, view_samples: ViewSamples, direct: DirectIrradiance, visible: Tensor
-    ) -> DirectLight:
+    def of(lamp: LightSource, view_samples: ViewSamples, direct: DirectIrradiance, visible: Tensor) -> DirectLight:
         """From unshadowed irradiance and the visible share (N,) of the light."""
         point, normal = view_samples.surface.position, view_samples.surface.normal
         specular = None

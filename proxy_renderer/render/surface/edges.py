@@ -43,9 +43,7 @@ class ShadowEdges:
     blocker: Tensor  # (3, E) points on the blockers that cast the edge
 
     @staticmethod
-    def of(
-        geometry: RayGeometry, samples: Samples, view: View, lamp: LightSource, visible: Tensor
-    ) -> ShadowEdges:
+    def of(geometry: RayGeometry, samples: Samples, view: View, lamp: LightSource, visible: Tensor) -> ShadowEdges:
         """Traces hard shadows of points of a light in pixels that show the light's penumbra; view and light are detached.
 
         Samples see a share `visible` (N,) of the light.

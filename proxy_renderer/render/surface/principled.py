@@ -24,9 +24,7 @@ from ..material.inputs import ShadingInputs, used
 _FAINT = 1e-4  # reflectance seen head on below which the dielectric layer fades out
 
 
-def shade(
-    inputs: ShadingInputs, light: IncidentLight, texture: Float[Tensor, "3 n"] | None
-) -> Float[Tensor, "3 n"]:
+def shade(inputs: ShadingInputs, light: IncidentLight, texture: Float[Tensor, "3 n"] | None) -> Float[Tensor, "3 n"]:
     """Outgoing radiance (3, N) towards the viewer."""
     base = inputs.colored(texture)
     clamped = within(base, 0.0, 1.0)
@@ -137,9 +135,7 @@ def _glass(
     return reflections * reflectance + direct / single[0] + behind * base * (1 - reflectance)
 
 
-def coat(
-    inputs: ShadingInputs, light: IncidentLight
-) -> tuple[Float[Tensor, "3 n"], Float[Tensor, "*tinted n"]]:
+def coat(inputs: ShadingInputs, light: IncidentLight) -> tuple[Float[Tensor, "3 n"], Float[Tensor, "*tinted n"]]:
     """Reflected radiance (3, N) of the coat, and the share of light that reaches the layers below."""
     layer = inputs.seen("coat", light.view, lambda: _coat(inputs, light))
     lobes = [h.lobe(inputs.coat_roughness) for h in light.highlights]

@@ -145,9 +145,7 @@ def table_of(frame: RenderState) -> RadianceTable:
     return RadianceTable.of(albedos, metallic, emission, colors, sky.hemispheres, sky.coefficients())
 
 
-def _behind(
-    frame: RenderState, table: RadianceTable, gathered: IndirectLight, material: int, part: slice
-) -> Tensor:
+def _behind(frame: RenderState, table: RadianceTable, gathered: IndirectLight, material: int, part: slice) -> Tensor:
     """Radiance (3, n) seen through samples of a material; its gradient by the IOR is a finite difference, as refracted rays may jump over edges."""
     ior = frame.shading_inputs[material].ior
     here = float(ior.detach())

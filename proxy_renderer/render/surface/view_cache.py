@@ -223,9 +223,7 @@ class ViewCache:
         with torch.no_grad():
             self.indirect.light(index, self._bounced[index], lamp.has_rays_of(last))
 
-    def behind(
-        self, material: int, side: int, part: slice, ior: float, lamps: Sequence[LightSource]
-    ) -> RefractedHits:
+    def behind(self, material: int, side: int, part: slice, ior: float, lamps: Sequence[LightSource]) -> RefractedHits:
         """Hits of rays through a material's samples `part`, refracted by an IOR; kept by material and side.
 
         `side` is 0 for the material's own IOR, -1 and 1 for those next to it. `lamps` has one light for each cluster.

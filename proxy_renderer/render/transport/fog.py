@@ -85,9 +85,7 @@ class FogMedium:
         low, high = self._box
         return float(torch.maximum((origin - low).abs(), (origin - high).abs()).norm())
 
-    def transmittance(
-        self, start: _Vectors, toward: _Vectors, distance: _Numbers | float
-    ) -> Float[Tensor, "*n"]:
+    def transmittance(self, start: _Vectors, toward: _Vectors, distance: _Numbers | float) -> Float[Tensor, "*n"]:
         """Share of light (…) that gets through, from starts (3, …) in unit directions (3, …) over distances (…), finite or not."""
         return torch.exp(-self.density * self.thickness(start, toward, distance))
 
@@ -231,9 +229,7 @@ class SingleScattering:
         key = None if lamp.moving else (lamp.signature(), parts)
         return self._of(fog, rays, lamp.light.name, key, make) * lamp.color.view(3, 1, 1, 1)
 
-    def _of(
-        self, fog: FogMedium, rays: RaySegments, name: str, key: Hashable, make: Callable[[], Tensor]
-    ) -> Tensor:
+    def _of(self, fog: FogMedium, rays: RaySegments, name: str, key: Hashable, make: Callable[[], Tensor]) -> Tensor:
         """A value that depends on fog, rays and a key; made again when they change, or are learned (a key of None)."""
         if fog.signature is None or key is None or needs_gradient(rays.start, rays.toward):
             return make()

@@ -139,9 +139,7 @@ class _Search:
         aimed = density(self._toward)
         return found + self._weighed(materials, self._targets, self._toward, aimed, self._seen, False)
 
-    def _weighed(
-        self, materials: int, hits: Hits, toward: Tensor, lobe: Tensor, seen: Tensor, by_lobe: bool
-    ) -> Tensor:
+    def _weighed(self, materials: int, hits: Hits, toward: Tensor, lobe: Tensor, seen: Tensor, by_lobe: bool) -> Tensor:
         """Sums (A, M) of rays, weighted by the power heuristic; the rays are drawn `by_lobe`, or else by target points.
 
         `lobe` is the lobe's density along each ray, `seen` the share of light that arrives.

@@ -186,9 +186,7 @@ class FinalGather:
         shown = self._shown_glow(table, full[6:])
         return IndirectLight(full[:3], full[3:6], mirror, self._open_glossy, self.mirror.open, low, shown)
 
-    def gather_through(
-        self, table: RadianceTable, fog: FogMedium, indirect_fog: IndirectFog
-    ) -> IndirectLight:
+    def gather_through(self, table: RadianceTable, fog: FogMedium, indirect_fog: IndirectFog) -> IndirectLight:
         """The indirect light of one render: transmitted by fog, and in-scattered by it."""
         wide, narrow = self._weighed()
         low = wide.scattered(table, indirect_fog.path_transmittance)
@@ -208,9 +206,7 @@ class FinalGather:
         shown = self._shown_glow(table, full[10:], passing)
         return IndirectLight(full[:3], full[3:6], mirror, full[9], self.mirror.open * passing, low, shown)
 
-    def following(
-        self, gathered: IndirectLight, table: RadianceTable, lamps: Sequence[LightSource]
-    ) -> IndirectLight:
+    def following(self, gathered: IndirectLight, table: RadianceTable, lamps: Sequence[LightSource]) -> IndirectLight:
         """`gathered` with added gradients by the placement of lights that are learned; these gradients ignore shadows, and fog between surfaces."""
         moving = [(index, lamp) for index, lamp in enumerate(lamps) if lamp.moving]
         if not moving:
@@ -248,9 +244,7 @@ class FinalGather:
         """Blurred reflections (A, 3) of what glows at the gather points."""
         return [share @ table.emission for share in self._blurred]
 
-    def _shown_glow(
-        self, table: RadianceTable, blurred: Tensor, passing: Tensor | float = 1.0
-    ) -> tuple[Tensor, ...]:
+    def _shown_glow(self, table: RadianceTable, blurred: Tensor, passing: Tensor | float = 1.0) -> tuple[Tensor, ...]:
         """`IndirectLight.glow` at the samples, from its blurred reflections (3 K, N); fog lets a share `passing` of the mirror image through."""
         if self._glow is None:
             return ()

@@ -50,13 +50,7 @@ class IndirectFogRays:
     """Rays of one view along which fog is integrated, and their hits; `near` is a typical distance in view, meters."""
 
     def __init__(
-        self,
-        geometry: RayGeometry,
-        samples: Samples,
-        surface: Surface,
-        view: View,
-        gather_points: Tensor,
-        near: float,
+        self, geometry: RayGeometry, samples: Samples, surface: Surface, view: View, gather_points: Tensor, near: float
     ) -> None:
         self._geometry, self._near, self._signature = geometry, near, view.signature()
         self._volume = SingleScattering(geometry.clear)

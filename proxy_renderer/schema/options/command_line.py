@@ -23,9 +23,7 @@ def add_option(container: argparse._ActionsContainer, option: Option, **changes:
     container.add_argument(option.flag, **(keywords | changes))
 
 
-def add_options(
-    parser: argparse.ArgumentParser, headings: Iterable[str], table: Iterable[Option] = TABLE
-) -> None:
+def add_options(parser: argparse.ArgumentParser, headings: Iterable[str], table: Iterable[Option] = TABLE) -> None:
     """Adds all options under some of the `HEADINGS`, each heading with its title."""
     table = tuple(table)
     for heading in headings:

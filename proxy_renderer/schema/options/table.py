@@ -204,9 +204,7 @@ def rows(message: type[Options]) -> tuple[Option, ...]:
     return tuple(replace(f.metadata["option"], name=f.name) for f in known)
 
 
-_EFFORT = "; ".join(
-    f"{name}: {b.rounds} rounds of {b.steps} steps, {b.summary}" for name, b in BUDGETS.items()
-)
+_EFFORT = "; ".join(f"{name}: {b.rounds} rounds of {b.steps} steps, {b.summary}" for name, b in BUDGETS.items())
 
 # fmt: off
 TASK = (

@@ -122,9 +122,7 @@ def read_claim(text: str) -> ClaimText:
         if wrong:
             raise VibeError(f"'{text}' {problem}.", remedy)
     weight, reason = float(match["weight"] or 1.0), match["reason"] or ""
-    return ClaimText(
-        match["part"], measure, lower, upper, change, not match["any"], color, box, weight, reason, by
-    )
+    return ClaimText(match["part"], measure, lower, upper, change, not match["any"], color, box, weight, reason, by)
 
 
 def _numbers(text: str | None) -> Values:
@@ -185,7 +183,6 @@ def quantities() -> QuantityTable:
         by_name[name] = Quantity(name, row["says"], *ways, classes, row.get("softer", {}))
         seen |= {measure: steps or math.inf for measure, steps in row.get("seen", {}).items()}
     parameters, measures = (
-        {each: name for name, row in rows.items() for each in row.get(key, ())}
-        for key in ("parameters", "measures")
+        {each: name for name, row in rows.items() for each in row.get(key, ())} for key in ("parameters", "measures")
     )
     return QuantityTable(by_name, parameters, measures, seen)

@@ -101,9 +101,7 @@ class Modifier:
 
     def change(self, light: RigLight, strength: float) -> RigLight:
         """A light with these changes; the strength of the word scales the factors on size and distance."""
-        light = replace(
-            light, size=light.size * self.size**strength, distance=light.distance * self.distance**strength
-        )
+        light = replace(light, size=light.size * self.size**strength, distance=light.distance * self.distance**strength)
         if self.azimuth is not None:
             light = replace(light, azimuth=self.azimuth, mirrored=False, through="")
         if self.elevation is not None:
@@ -195,13 +193,7 @@ def read(text: str, place: str) -> dict[str, Rig]:
 
 _RIG_NUMBERS, _RIG_COLORS = ("exposure", "own", "world", "sky", "air"), ("world_color", "sky_color")
 _ROWS = (*_RIG_NUMBERS, *_RIG_COLORS, "words", "entries", "says", "kind", "adds", "grade", "lights")
-_CHOICES = {
-    "part": PARTS,
-    "source": tuple(SOURCES),
-    "reach": REACHES,
-    "through": THROUGH,
-    "pattern": ("", *PATTERNS),
-}
+_CHOICES = {"part": PARTS, "source": tuple(SOURCES), "reach": REACHES, "through": THROUGH, "pattern": ("", *PATTERNS)}
 """Row of a light -> what it may be."""
 _LIGHT_NUMBERS = ("distance", "size", "kelvin", "stops")
 _LIGHT_ROWS = (*_CHOICES, *_LIGHT_NUMBERS, "from", "side", "color", "names")

@@ -53,9 +53,7 @@ class Vocabulary:
     # kind of thing -> entry or adjective -> entry, where words say nothing of it themselves: "a calm lamp"
     elsewhere: dict[str, dict[str, str]]
     endings: dict[str, str]  # "comparative" or "superlative" -> how such words end
-    _made: dict[Callable[[Vocabulary], Any], Any] = field(
-        init=False, repr=False, compare=False, default_factory=dict
-    )
+    _made: dict[Callable[[Vocabulary], Any], Any] = field(init=False, repr=False, compare=False, default_factory=dict)
 
     def made(self, make: Callable[[Vocabulary], T]) -> T:
         """An object that is made of the vocabulary once and kept with it."""
@@ -123,9 +121,7 @@ def load(text: str, colors: str) -> Vocabulary:
         for word in entry.words:
             synonyms.setdefault(word, entry.name)
     synonyms |= {name: name for name in entries}  # in their order, which decides between equally near words
-    adjectives = {
-        normalize(w): {k: normalize(e) for k, e in kinds.items()} for w, kinds in rows["adjective"].items()
-    }
+    adjectives = {normalize(w): {k: normalize(e) for k, e in kinds.items()} for w, kinds in rows["adjective"].items()}
     adjectives |= {name: dict.fromkeys(("light", "fill", "rim", "otherwise"), name) for name in kelvins}
     elsewhere = {kind: _by_word(each) for kind, each in rows["elsewhere"].items()}
     said = [(word, name) for word, kinds in adjectives.items() for name in kinds.values()]

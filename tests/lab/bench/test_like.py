@@ -61,11 +61,7 @@ def test_errors_of_what_stayed_and_of_what_was_found():
     assert start["direction"] == pytest.approx(90.0)
     assert start["temperature"] == pytest.approx(3500.0, abs=100.0)
     assert start["level"] == pytest.approx(1.5)
-    assert values.key_light_errors(MADE, MADE["hidden"]) == {
-        "direction": 0.0,
-        "temperature": 0.0,
-        "level": 0.0,
-    }
+    assert values.key_light_errors(MADE, MADE["hidden"]) == {"direction": 0.0, "temperature": 0.0, "level": 0.0}
 
 
 def test_power_and_exposure_count_together():
@@ -85,9 +81,7 @@ def test_values_are_read_off_a_report():
 
 
 def test_a_lamp_alone_is_judged_without_the_pictures_exposure():
-    made = MADE | {
-        side: {k: v for k, v in MADE[side].items() if "film" not in k} for side in ("before", "hidden")
-    }
+    made = MADE | {side: {k: v for k, v in MADE[side].items() if "film" not in k} for side in ("before", "hidden")}
     assert values.key_light_errors(made, {})["level"] == pytest.approx(1.0)
     assert values.key_light_errors(made, made["hidden"])["level"] == 0.0
 

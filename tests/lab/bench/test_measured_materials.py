@@ -58,14 +58,7 @@ def test_the_summary_tells_known_words_from_ignored_ones():
     done = {"kind": "material", "code": 0, "error": "", "metal_right": True, "roughness": 0.1, "ior": None}
     rows = [
         {**done, "name": "Gold", "prompt": "gold", "ignored": [], "delta_e": 2.0},
-        {
-            **done,
-            "name": "Musou",
-            "prompt": "musou",
-            "ignored": ["musou"],
-            "delta_e": 30.0,
-            "metal_right": False,
-        },
+        {**done, "name": "Musou", "prompt": "musou", "ignored": ["musou"], "delta_e": 30.0, "metal_right": False},
         {"name": "Sun", "prompt": "sun", "kind": "light", "code": 2, "error": "vibe: no."},
     ]
     results = table.summary(rows)

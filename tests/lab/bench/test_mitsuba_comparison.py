@@ -14,9 +14,7 @@ from proxy_renderer.schema import VibeError
 
 def test_a_missing_mitsuba_is_told_before_anything_is_measured(monkeypatch, tmp_path, capsys):
     found = importlib.util.find_spec
-    monkeypatch.setattr(
-        importlib.util, "find_spec", lambda name, *a: (name != "mitsuba" and found(name, *a)) or None
-    )
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name, *a: (name != "mitsuba" and found(name, *a)) or None)
     assert main(["speed", "--mitsuba", "--out", str(tmp_path)]) == 2
     said = capsys.readouterr().err
     assert "pip install mitsuba" in said

@@ -28,11 +28,7 @@ def test_a_color_is_measured_where_it_is_asked_for():
     assert measures.color_error(picture, "subject", teal) == pytest.approx(0, abs=0.01)
     assert measures.color_error(picture, "Wall", white) == pytest.approx(0, abs=0.01)
     assert (
-        min(
-            measures.color_error(picture, "surroundings", teal),
-            measures.color_error(picture, "subject", white),
-        )
-        > 25
+        min(measures.color_error(picture, "surroundings", teal), measures.color_error(picture, "subject", white)) > 25
     )
 
 
@@ -96,12 +92,7 @@ def test_hard_shadows_have_steep_edges():
 def test_tone_is_measured():
     warm, cool = painted("#c08040", "#c08040"), painted("#4080c0", "#4080c0")
     assert measures.taken("warmth", warm, "picture") > 30 > -20 > measures.taken("warmth", cool, "picture")
-    assert (
-        measures.taken("chroma", warm, "picture")
-        > 40
-        > 1
-        > measures.taken("chroma", shot(gray(0.3)), "picture")
-    )
+    assert measures.taken("chroma", warm, "picture") > 40 > 1 > measures.taken("chroma", shot(gray(0.3)), "picture")
     assert (
         measures.taken("brown_distance", painted("#70512d", "#b8996f"), "picture")
         < 6
@@ -110,9 +101,7 @@ def test_tone_is_measured():
     assert measures.taken("contrast", painted("#ffffff", "#000000"), "picture") == pytest.approx(100, abs=0.1)
     assert measures.taken("standing_out", painted("#ffffff", "#202020"), "subject") > 80
     dark, pale = painted("#101010", "#d0d0d0"), painted("#d0d0d0", "#101010")
-    assert (
-        measures.taken("silhouette", dark, "subject") > 60 > 0 > measures.taken("silhouette", pale, "subject")
-    )
+    assert measures.taken("silhouette", dark, "subject") > 60 > 0 > measures.taken("silhouette", pale, "subject")
 
 
 # ---- what can be seen
@@ -163,9 +152,7 @@ def test_attributes_of_what_cannot_be_seen_count_nothing():
 
 @pytest.mark.parametrize("mask", [np.zeros((SIDE, SIDE)), np.ones((SIDE, SIDE))])
 def test_a_subject_that_has_left_or_fills_the_picture_scores_nothing(mask):
-    asked = pair(
-        "subject: red", "subject: silhouetted", "picture: vignetted", "picture: misty", "Ball: glossy"
-    )
+    asked = pair("subject: red", "subject: silhouetted", "picture: vignetted", "picture: misty", "Ball: glossy")
     before = lit(-1, 1, 1)
     gone = replace(painted("#ff0000", "#ff0000"), mask=mask)
     assert verdict.alone(asked, verdict.read(asked, gone, before)).whole == 0
@@ -199,11 +186,11 @@ def test_the_interval_is_wilsons():
 def test_the_pairs_are_the_papers_and_thirty_of_our_own():
     known = pairs.read_pairs()
     groups = [p.group for p in known]
-    assert (
-        groups.count("benchmark"),
-        groups.count("concrete_vs_abstract"),
-        groups.count("prompt_extension"),
-    ) == (3, 2, 3)
+    assert (groups.count("benchmark"), groups.count("concrete_vs_abstract"), groups.count("prompt_extension")) == (
+        3,
+        2,
+        3,
+    )
     assert groups.count(pairs.WIDER) >= 24
     assert len({p.name for p in known}) == len(known)
     assert all(p.asks and bool(p.set) != bool(p.mesh) for p in known)

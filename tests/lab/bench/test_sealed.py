@@ -39,17 +39,7 @@ def test_prompts_are_varied_and_say_their_asks(many):
     assert len({job.prompt for job in many}) > 550
     assert {job.scene.thing.shape for job in many} == {thing.shape for thing in things()}
     kinds = {ask.kind for job in many for ask in job.asks}
-    assert kinds == {
-        "color",
-        "material",
-        "finish",
-        "time",
-        "weather",
-        "grade",
-        "mood",
-        "light",
-        "lamp",
-    }
+    assert kinds == {"color", "material", "finish", "time", "weather", "grade", "mood", "light", "lamp"}
     for job in many:
         assert 1 <= len(job.asks) <= 3
         assert "{" not in job.prompt
@@ -95,9 +85,7 @@ def test_the_lists_are_whole():
 def test_the_seed_is_the_commit_and_changes_are_told(tmp_path):
     def git(*arguments):
         own = ["-c", "user.name=a", "-c", "user.email=a@example.org"]
-        done = subprocess.run(
-            ["git", "-C", tmp_path, *own, *arguments], check=True, capture_output=True, text=True
-        )
+        done = subprocess.run(["git", "-C", tmp_path, *own, *arguments], check=True, capture_output=True, text=True)
         return done.stdout.strip()
 
     git("init")
@@ -289,43 +277,24 @@ def test_what_is_hardly_in_view_is_not_judged():
     red = SealedAsk("color", "red", "Ball", color=(0.8, 0.1, 0.1))
     left = SealedAsk("light", "left", shows=("from the left",))
     none = shot(RED.display)
-    gone = type(none)(
-        none.display, np.zeros((SIDE, SIDE)), none.normal, np.ones((SIDE, SIDE), int), none.materials
-    )
+    gone = type(none)(none.display, np.zeros((SIDE, SIDE)), none.normal, np.ones((SIDE, SIDE), int), none.materials)
     evidence = judge.Evidence(gone, gone, {})
     assert [holds for _, holds, _ in judge.judged(job(red, left), evidence)] == [None, None]
     assert [holds for _, holds, _ in judge.judged(job(red), judge.Evidence(RED, RED, {}))] == [True]
 
 
 def test_a_hidden_subject_is_not_seen():
-    assert (
-        judge.Evidence(MATTE, painted("#a06040", "#404850"), {}).subject_is_seen is False
-    )  # no detail in it
+    assert judge.Evidence(MATTE, painted("#a06040", "#404850"), {}).subject_is_seen is False  # no detail in it
     assert judge.Evidence(MATTE, MATTE, {}).subject_is_seen
     assert judge.Evidence(MATTE, BLACK, {}).subject_is_seen is False
 
 
 def row(held, seen=True, kind="color", **more):
     asks = [
-        {
-            "kind": kind,
-            "words": "red",
-            "part": "Ball",
-            "new_color": kind == "color",
-            "holds": each,
-            "found": [],
-        }
+        {"kind": kind, "words": "red", "part": "Ball", "new_color": kind == "color", "holds": each, "found": []}
         for each in held
     ]
-    done = {
-        "prompt": "p",
-        "code": 0,
-        "error": "",
-        "seconds": 9.0,
-        "asks": asks,
-        "seen": seen,
-        "asked": len(asks),
-    }
+    done = {"prompt": "p", "code": 0, "error": "", "seconds": 9.0, "asks": asks, "seen": seen, "asked": len(asks)}
     return {**done, "claims": 2, "claims_held": 1, "ignored": ["x"], **more}
 
 
@@ -348,11 +317,7 @@ def test_the_summary_counts_asks_prompts_and_failures():
 
 def test_the_one_that_shows_more_wins_and_a_tie_is_half_a_win():
     failed = {"prompt": "f", "code": 2, "error": "vibe: no.", "seconds": 1.0, "asked": 2}
-    better, worse, even = (
-        (row([True, True]), row([True, None])),
-        (row([False]), row([True])),
-        (row([None]), failed),
-    )
+    better, worse, even = ((row([True, True]), row([True, None])), (row([False]), row([True])), (row([None]), failed))
     hidden = (row([True, True], seen=False), row([True, False]))
     figures = contest.summary(*zip(better, worse, even, hidden, strict=True))
     assert [figures["wins"][kind] for kind in ("win", "tie", "loss")] == [2, 1, 1]
@@ -379,9 +344,7 @@ def test_a_baseline_has_as_many_seconds_as_the_product(loop, asked):
 
 def test_the_plan_alone_is_a_rival_without_steps():
     asked = []
-    contest.rival_row(
-        "projection", 0, row([True], loop_seconds=9.0), lambda told: asked.append(told) or row([True])
-    )
+    contest.rival_row("projection", 0, row([True], loop_seconds=9.0), lambda told: asked.append(told) or row([True]))
     assert asked == [Variation("projection")]
 
 

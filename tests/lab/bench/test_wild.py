@@ -8,15 +8,7 @@ import pytest
 from lab.bench.wild import corpus, table
 from proxy_renderer.schema import VibeError
 
-DONE = {
-    "code": 0,
-    "black": False,
-    "error": "",
-    "seconds": 10.0,
-    "memory_gb": 1.0,
-    "left_behind": [],
-    "p95": 2.0,
-}
+DONE = {"code": 0, "black": False, "error": "", "seconds": 10.0, "memory_gb": 1.0, "left_behind": [], "p95": 2.0}
 
 
 @pytest.fixture

@@ -30,9 +30,7 @@ class Bowl:
 def run(bowl, start, lower, upper, chosen=None, steps=40, seed=0, end=lambda step: False):
     u, low, high = (torch.tensor(x, dtype=torch.float64) for x in (start, lower, upper))
     chosen = torch.ones(len(u), dtype=torch.bool) if chosen is None else torch.tensor(chosen)
-    return descend(
-        bowl, u, chosen, low, high, steps, seed, StepSettings(), lambda step, loss, picture: end(step)
-    )
+    return descend(bowl, u, chosen, low, high, steps, seed, StepSettings(), lambda step, loss, picture: end(step))
 
 
 def test_it_finds_the_nearest_feasible_point():
@@ -84,9 +82,7 @@ def test_the_best_is_judged_on_fixed_views():
 
 
 def test_same_seed_same_result_bit_for_bit():
-    first, again, other = (
-        run(Bowl([0.7] * 3, 0.3), [0.2] * 3, [0.0] * 3, [1.0] * 3, seed=s) for s in (4, 4, 5)
-    )
+    first, again, other = (run(Bowl([0.7] * 3, 0.3), [0.2] * 3, [0.0] * 3, [1.0] * 3, seed=s) for s in (4, 4, 5))
     assert torch.equal(first.u, again.u)
     assert not torch.equal(first.u, other.u)
 

@@ -39,9 +39,7 @@ def scene(tmp_path_factory):
 def vibe(scene, encoder):
     def run(method, watch=None, **options):
         chosen = Options(**{"rounds": 2, "steps": 8, "size": 64, **options})
-        return pipeline.run(
-            search_for([ShotInput(scene)], PROMPT, chosen, encoder, watch or Silent(), method=method)
-        )
+        return pipeline.run(search_for([ShotInput(scene)], PROMPT, chosen, encoder, watch or Silent(), method=method))
 
     return run
 
@@ -93,9 +91,7 @@ def test_the_baseline_uses_everything_without_a_plan(vibe):
 def test_the_authors_baseline_leaves_camera_and_fog_alone(vibe):
     outcome = vibe(ClipAuthors(), rounds=1, camera=True)
     assert len(outcome.optimized) > 30
-    assert not [
-        k for k in {*outcome.optimized, *changed_values(outcome)} if k.startswith(("camera", "volume"))
-    ]
+    assert not [k for k in {*outcome.optimized, *changed_values(outcome)} if k.startswith(("camera", "volume"))]
 
 
 @pytest.mark.slow
@@ -140,9 +136,7 @@ def test_without_an_inner_loop_values_are_the_nearest_that_the_words_allow(searc
 def test_the_papers_loop_asks_for_the_raw_text(search, monkeypatch):
     asked = []
     encode = Encoder.encode_texts
-    monkeypatch.setattr(
-        Encoder, "encode_texts", lambda self, texts: asked.extend(texts) or encode(self, texts)
-    )
+    monkeypatch.setattr(Encoder, "encode_texts", lambda self, texts: asked.extend(texts) or encode(self, texts))
     confined(search(PROMPT, Adam()))
     assert PROMPT in asked
     asked.clear()
@@ -170,9 +164,7 @@ def test_the_bare_rig_moves_lights_and_no_surface(scene, encoder, prompt):
     stage = set_stage([scene], prompt)
     views = [ShotInput(each) for each in stage.scenes]
     options = Options(rounds=2, size=48)
-    outcome = pipeline.run(
-        search_for(views, prompt, options, encoder, Silent(), stage=stage, method=BareRig())
-    )
+    outcome = pipeline.run(search_for(views, prompt, options, encoder, Silent(), stage=stage, method=BareRig()))
     changed = changed_values(outcome)
     assert not [key for key in changed if key.startswith("material/")]
     assert any(key.startswith(("light/", "world/")) for key in changed) == ("candlelight" in prompt)

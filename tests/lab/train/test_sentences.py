@@ -43,10 +43,7 @@ def test_no_sentence_is_both_developed_with_and_held_out():
 
 def test_a_folder_is_read(tmp_path):
     (one,) = read_folder(write_folder(tmp_path))
-    assert [(w.text, w.start, str(w.targets[0])) for w in one.words] == [
-        ("red", 0, "HullPaint"),
-        ("warm", 10, "light"),
-    ]
+    assert [(w.text, w.start, str(w.targets[0])) for w in one.words] == [("red", 0, "HullPaint"), ("warm", 10, "light")]
     assert one.scene.materials_of("subject") == {"HullPaint", "SeatCloth"}
     assert one.scene.materials_of("surroundings") == {"Concrete", "CrateWood", "NeonSign"}
 

@@ -85,9 +85,7 @@ def test_colors_that_cannot_be_seen_are_not_claimed() -> None:
     names = visible.color_class(red, lab, torch.zeros(3, dtype=torch.bool))
     assert names.tolist() == [red[0], ATTRIBUTES["subject_color"].index("black"), red[0]]
     gray_blue = torch.tensor([[50.0, -4.0, -22.0]])
-    assert visible.color_class(red[:1], gray_blue, torch.zeros(1, dtype=torch.bool)).tolist() == [
-        looks.UNKNOWN
-    ]
+    assert visible.color_class(red[:1], gray_blue, torch.zeros(1, dtype=torch.bool)).tolist() == [looks.UNKNOWN]
 
 
 def test_boxes_are_flat_and_balls_are_bent() -> None:
@@ -109,11 +107,7 @@ def test_a_finish_is_asked_of_bent_surfaces_only() -> None:
 
 
 def test_captions_say_every_mentioned_attribute_and_no_other() -> None:
-    words = {
-        "subject_color": wording.COLOR_WORDS,
-        "fog": wording.FOG_WORDS,
-        "vignette": wording.VIGNETTE_WORDS,
-    }
+    words = {"subject_color": wording.COLOR_WORDS, "fog": wording.FOG_WORDS, "vignette": wording.VIGNETTE_WORDS}
     dice = random.Random(0)
     for _ in range(300):
         said = {name: dice.choice(list(table)) for name, table in words.items() if dice.random() < 0.6} or {
@@ -124,18 +118,11 @@ def test_captions_say_every_mentioned_attribute_and_no_other() -> None:
         for name, table in words.items():
             names = wording.color_names() if name == "subject_color" else {}
             own = [*table.get(said.get(name, ""), []), *names.get(said.get(name, ""), [])]
-            assert name not in said or name in phrases or any(word in sentence for word in own), (
-                said,
-                sentence,
-            )
-        assert "vignette" in said or not any(
-            w in sentence for ws in wording.VIGNETTE_WORDS.values() for w in ws
-        )
+            assert name not in said or name in phrases or any(word in sentence for word in own), (said, sentence)
+        assert "vignette" in said or not any(w in sentence for ws in wording.VIGNETTE_WORDS.values() for w in ws)
 
 
-def test_no_picture_contradicts_its_own_caption_and_flips_contradict_their_base(
-    bank: dict[str, np.ndarray],
-) -> None:
+def test_no_picture_contradicts_its_own_caption_and_flips_contradict_their_base(bank: dict[str, np.ndarray]) -> None:
     batch = make_batch(bank, 24, seed=3)
     wrong = contradicts(batch.labels, batch.mentioned)
     assert not wrong.diagonal().any()
@@ -199,12 +186,7 @@ def test_cycles_pictures_come_first_and_in_pairs(bank: dict[str, np.ndarray]) ->
     assert [float(p.std()) == 0 for p in batch.pictures] == [True] * 4 + [False] * 8
     assert torch.equal(batch.pictures[0], batch.pictures[1])
     assert batch.map_weights[:LOOKS].sum() == 0 < batch.map_weights[LOOKS:].sum()
-    assert batch.flipped[:LOOKS].tolist() in (
-        [-1, 3, -1, 3],
-        [-1, 3, -1, -2],
-        [-1, -2, -1, 3],
-        [-1, -2, -1, -2],
-    )
+    assert batch.flipped[:LOOKS].tolist() in ([-1, 3, -1, 3], [-1, 3, -1, -2], [-1, -2, -1, 3], [-1, -2, -1, -2])
 
 
 def test_batches_depend_on_the_seed_alone(bank: dict[str, np.ndarray]) -> None:
@@ -227,9 +209,7 @@ def test_reflections_are_as_blurred_as_a_ggx_lobe_blurs_them(roughness: float) -
     random = np.random.default_rng(0)
     share, turn = random.random(200_000), random.uniform(0, 2 * np.pi, 200_000)
     tangent = roughness**2 * np.sqrt(share / (1 - share))
-    off = np.sort(
-        2 * np.arctan(tangent) * np.cos(turn)
-    )  # a mirrored ray turns by twice its half vector's angle
+    off = np.sort(2 * np.arctan(tangent) * np.cos(turn))  # a mirrored ray turns by twice its half vector's angle
     sampled = off[int(0.9 * len(off))] - off[int(0.1 * len(off))]
     at = torch.linspace(0, 12, 20_001)
     half, blur = torch.tensor(6.0), torch.tensor(0.01 + 1.2 * roughness**2)
@@ -240,9 +220,7 @@ def test_reflections_are_as_blurred_as_a_ggx_lobe_blurs_them(roughness: float) -
 
 def test_blurring_keeps_a_reflected_lights_flux() -> None:
     at = torch.linspace(-40, 40, 80_001)
-    flux = [
-        shader.blurred(at, torch.tensor(0.5), torch.tensor(blur)).mean() * 80 for blur in (0.02, 0.4, 2.0)
-    ]
+    flux = [shader.blurred(at, torch.tensor(0.5), torch.tensor(blur)).mean() * 80 for blur in (0.02, 0.4, 2.0)]
     assert [round(float(f), 2) for f in flux] == [1.0, 1.0, 1.0]
 
 
@@ -321,11 +299,7 @@ def test_losses_fall_on_a_batch_that_is_seen_again(bank: dict[str, np.ndarray]) 
 
 def test_skill_is_what_a_head_knows_beyond_a_blind_guess():
     def judged(heads: dict[str, float], commonest: dict[str, float], count: int = 40) -> dict:
-        return {
-            "heads": heads,
-            "commonest": commonest,
-            "comparisons": {f"heads/{name}": count for name in heads},
-        }
+        return {"heads": heads, "commonest": commonest, "comparisons": {f"heads/{name}": count for name in heads}}
 
     one = judged({"fog": 0.75, "vignette": 0.4}, {"fog": 0.5, "vignette": 0.6})
     sure, uniform = judged({"fog": 1.0}, {"fog": 0.5}), judged({"fog": 0.9}, {"fog": 0.9})

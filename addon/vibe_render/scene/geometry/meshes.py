@@ -116,9 +116,7 @@ def array(collection, attribute: str, shape: tuple[int, ...], kind: type) -> np.
     return flat.reshape(shape)
 
 
-def box_geometry(
-    scene: bpy.types.Scene, shown: Collection[bpy.types.Object], camera: RayCamera
-) -> SceneGeometry:
+def box_geometry(scene: bpy.types.Scene, shown: Collection[bpy.types.Object], camera: RayCamera) -> SceneGeometry:
     """The sides of bounding boxes that face away from a camera. They never hide an object inside or in front of a box.
 
     Args:

@@ -191,9 +191,7 @@ def rotation_slot(world: World) -> ValueSlot | None:
         journal.link(mapping.outputs["Vector"], vector)
         return find()
 
-    return find() or LazySlot(
-        find, make, 0.0, locks.of_socket(texture.node.inputs["Vector"], None, texture.inside)
-    )
+    return find() or LazySlot(find, make, 0.0, locks.of_socket(texture.node.inputs["Vector"], None, texture.inside))
 
 
 def horizon_height(scene: Scene, world: World | None) -> float:
@@ -251,9 +249,7 @@ def _add_backdrop(journal: Journal, world: World) -> None:
     journal.link(mix.outputs[0], surface)
 
 
-def offered_backdrop(
-    world: World | None, instances: Mapping[str, schema.Instance]
-) -> dict[str, schema.Instance]:
+def offered_backdrop(world: World | None, instances: Mapping[str, schema.Instance]) -> dict[str, schema.Instance]:
     """The parameters that a backdrop would have; none where the world cannot have one, or is partly locked."""
     output = compat.output_node(world)
     single = single_background(world) if world else None

@@ -80,9 +80,7 @@ def insert_grade(journal: Journal, scene: Scene) -> Node:
 def _fill(tree: NodeTree) -> None:
     owned.declare(tree, _INPUTS, "Image")
     build = owned.Builder(tree)
-    image, strength, exposure, lift, midtone, gain, contrast, saturation, hue, gamma, vignette = build.inputs(
-        *_INPUTS
-    )
+    image, strength, exposure, lift, midtone, gain, contrast, saturation, hue, gamma, vignette = build.inputs(*_INPUTS)
     black, white, two = (0.0, 0.0, 0.0), _WHITE, (2.0, 2.0, 2.0)
 
     def exposed(color: NodeSocket, stops: NodeSocket | float) -> NodeSocket:

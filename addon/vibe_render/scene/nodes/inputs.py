@@ -192,9 +192,7 @@ def _faded(build: owned.Builder, color: NodeSocket, horizon: NodeSocket, height:
     rise = build.math("SUBTRACT", place, height), build.math("SUBTRACT", 1.0, height)
     share = build.math("DIVIDE", *rise, clamp=True)
     # smoothstep: s² (3 - 2 s)
-    smooth = build.math(
-        "MULTIPLY", build.math("MULTIPLY", share, share), build.math("MULTIPLY_ADD", share, -2.0, 3.0)
-    )
+    smooth = build.math("MULTIPLY", build.math("MULTIPLY", share, share), build.math("MULTIPLY_ADD", share, -2.0, 3.0))
     left = build.vector("SCALE", build.vector("SUBTRACT", _WHITE, horizon), scale=smooth)
     return build.vector("MULTIPLY", color, build.vector("ADD", horizon, left))
 
@@ -203,12 +201,8 @@ def _multiplied(build: owned.Builder, strength: NodeSocket, factor: NodeSocket) 
     return build.math("MULTIPLY", strength, factor)
 
 
-TINT = Inset(
-    "Vibe Tint", {"Color": ((0.8, 0.8, 0.8),), "Tint": (_WHITE,), "Recolor": (0.0, 0.0, 1.0)}, _tinted
-)
+TINT = Inset("Vibe Tint", {"Color": ((0.8, 0.8, 0.8),), "Tint": (_WHITE,), "Recolor": (0.0, 0.0, 1.0)}, _tinted)
 HORIZON = Inset(
-    "Vibe Horizon",
-    {"Color": ((0.05, 0.05, 0.05),), "Horizon": (_WHITE,), "Height": (0.0, -1.0, 1.0)},
-    _faded,
+    "Vibe Horizon", {"Color": ((0.05, 0.05, 0.05),), "Horizon": (_WHITE,), "Height": (0.0, -1.0, 1.0)}, _faded
 )
 FACTOR = Inset("Vibe Factor", {"Strength": (1.0,), "Factor": (1.0, 0.0, 1000.0)}, _multiplied)

@@ -27,7 +27,9 @@ _SHOWS = {
 """How visible a shader's own color is, relative to a matte shader: coats and glass show what is around them."""
 _GRAZING = {"Fresnel": 0.1, "Facing": 0.3}
 """The mean share of a mix's second shader where the factor is a Fresnel or Layer Weight output, high only at edges."""
-_PART = 0.3  # relative to the most prominent shader's share: a shader below it is an accent, no part of the body's color
+_PART = (
+    0.3  # relative to the most prominent shader's share: a shader below it is an accent, no part of the body's color
+)
 _COMPUTED_COLOR, _COMPUTED_STRENGTH = 0.5, 1.0  # assumed for emission that nodes compute
 
 
@@ -96,9 +98,7 @@ def layers(material: Material) -> list[Layer]:
     return list(behind(output.inputs["Surface"])) if output else []
 
 
-def behind(
-    socket: NodeSocket, inside: tuple[Node, ...] = (), sides: tuple[MixSide, ...] = ()
-) -> Iterator[Layer]:
+def behind(socket: NodeSocket, inside: tuple[Node, ...] = (), sides: tuple[MixSide, ...] = ()) -> Iterator[Layer]:
     """The shaders behind an input, in groups too; `inside` and `sides` are the groups and mixes that lead to it."""
     given = source_output(socket, inside)
     if given is None:

@@ -102,8 +102,7 @@ def _render_layers(tree: NodeTree, scene: Scene) -> Node:
         if here and node.layer == first and node.outputs["Image"].is_linked:
             return node
     raise schema.VibeError(
-        f'The compositor does not use the image of the view layer "{first}".',
-        "Link it to the output, or use Apply.",
+        f'The compositor does not use the image of the view layer "{first}".', "Link it to the output, or use Apply."
     )
 
 

@@ -63,9 +63,7 @@ def declare(tree: NodeTree, inputs: GroupInputs, output: str, kind: str = "NodeS
     tree.interface.new_socket(output, in_out="OUTPUT", socket_type=kind)
 
 
-def group_node(
-    journal: Journal, tree: NodeTree, name: str, fill: Callable[[NodeTree], None], neighbor: Node
-) -> Node:
+def group_node(journal: Journal, tree: NodeTree, name: str, fill: Callable[[NodeTree], None], neighbor: Node) -> Node:
     """Adds a node for Vibe Render's group of a name (see `owned_group`) to the left of another node, in a frame."""
     kind = {"ShaderNodeTree": "ShaderNodeGroup", "CompositorNodeTree": "CompositorNodeGroup"}[tree.bl_idname]
     inner = owned_group(journal, name, tree.bl_idname, fill)

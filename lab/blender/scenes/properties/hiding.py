@@ -194,12 +194,7 @@ def particles(scene: Scene, subject: Object) -> None:
     thing = cube(scene, "Flake", (0.0, 0.0, -2.0), 0.15)
     material("Red", (0.9, 0.02, 0.02), thing)
     settings = scene.objects["Floor"].modifiers.new("Flakes", "PARTICLE_SYSTEM").particle_system.settings
-    settings.type, settings.count, settings.render_type, settings.instance_object = (
-        "HAIR",
-        60,
-        "OBJECT",
-        thing,
-    )
+    settings.type, settings.count, settings.render_type, settings.instance_object = ("HAIR", 60, "OBJECT", thing)
     settings.hair_length, settings.particle_size = 1.0, 1.0
 
 
@@ -223,14 +218,7 @@ def text_object(scene: Scene, subject: Object) -> None:
 
 def odd_names(scene: Scene, subject: Object) -> None:
     """Names with marks of patterns and formats, line breaks, 63 bytes, and from right to left."""
-    names = (
-        "[a-z]*",
-        "100%s #{x}",
-        "line\nbreak",
-        "\u05e9\u05dc\u05d5\u05dd \u202e",
-        "\u4e2d" * 21,
-        "a/b\\c:d",
-    )
+    names = ("[a-z]*", "100%s #{x}", "line\nbreak", "\u05e9\u05dc\u05d5\u05dd \u202e", "\u4e2d" * 21, "a/b\\c:d")
     blocks = [*scene.objects, *bpy.data.materials, *bpy.data.lights, *bpy.data.meshes]
     for number, block in enumerate(blocks):
         block.name = names[number % len(names)]

@@ -55,9 +55,7 @@ def plain(scene: Scene) -> Object:
     sun.data.energy, sun.rotation_euler = 2.0, (0.7, 0.1, 0.4)
     scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     place = Vector((1.5, -3.5, 1.8))
-    scene.camera.matrix_world = (
-        Matrix.Translation(place) @ (place - AIM).to_track_quat("Z", "Y").to_matrix().to_4x4()
-    )
+    scene.camera.matrix_world = Matrix.Translation(place) @ (place - AIM).to_track_quat("Z", "Y").to_matrix().to_4x4()
     for thing in (sun, scene.camera):
         scene.collection.objects.link(thing)
     scene.world = bpy.data.worlds.new("World")
@@ -111,14 +109,9 @@ def instanced(scene: Scene, *things: Object) -> Object:
     return holder
 
 
-def emissive(
-    name: str, color: tuple[float, float, float], strength: float, thing: Object | None = None
-) -> Material:
+def emissive(name: str, color: tuple[float, float, float], strength: float, thing: Object | None = None) -> Material:
     """A black material that glows."""
     made = material(name, (0.0, 0.0, 0.0), thing)
     inputs = shader(made.node_tree).inputs
-    inputs["Emission Color"].default_value, inputs["Emission Strength"].default_value = (
-        (*color, 1.0),
-        strength,
-    )
+    inputs["Emission Color"].default_value, inputs["Emission Strength"].default_value = ((*color, 1.0), strength)
     return made
