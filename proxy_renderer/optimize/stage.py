@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 from ..claims.claim import Claim
 from ..claims.from_goals import claims_of
-from ..goals.relative import compares, further
+from ..goals.further import further
+from ..goals.relative import compares
 from ..goals.resolve import Goals, goals_or_why
 from ..goals.written import WrittenGoals
 from ..planning.acting import goals_without_rig
@@ -85,7 +86,11 @@ def set_stage(
         return StagedScenes(list(scenes), understood, goals)
     vocabulary = default_vocabulary()
     if goes_on:
-        goals = further(goals, vocabulary, factor, compared)
+        goals = further(goals, vocabulary, understood.scene, factor, compared)
+        if not (goals.wishes or goals.lost or goals.parsed.links):
+            problem = " ".join([f"Nothing in '{prompt}' can be changed.", *goals.parsed.notes])
+            why = VibeError(problem, 'Say what is to change, and how: "less fog", "the lamp dimmer".')
+            return StagedScenes(list(scenes), understood, why)
     if chosen := chosen_rig(goals, rig_table(), vocabulary, anew):
         rig = lighting(scenes, goals.parsed, chosen, new_lights)
         return StagedScenes(rig.scenes, understood, goals, rig)

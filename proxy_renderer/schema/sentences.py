@@ -3,6 +3,8 @@
 
 import re
 import tomllib
+from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -25,6 +27,12 @@ _FACTORS = {
 }  # fmt: skip
 _PATTERNS = {name: _pattern(text) for name, text in _TABLES["patterns"].items()}
 _FORMS = [(kind, _pattern(f"(?:{form})[.!]*")) for kind, form in _TABLES["forms"]]
+_COMPARING = [(_pattern(text), word) for text, word in _TABLES["comparing"]]
+_OBJECT = r"(?P<thing>(?:the|that|this|her|his|its|my|those|these) [\w -]+?)(?: up| down| off)?(?P<after> a bit| much)?"
+_VERBS = [
+    (re.compile(rf"\b(?P<before>a bit |much )?(?:{verb})(?: up| down| off)? {_OBJECT}(?=$|[,;.]| by )", re.I), word)
+    for verb, word in _TABLES["verbs"]
+]
 _PLAINER = [(_pattern(text), word) for text, word in _TABLES["plainer"]]
 _PRONOUNS = ("it", "this", "that", "i", "we", "they", "these", "those", "there", "still")
 _WORDS = "|".join(sorted(_FACTORS, key=len, reverse=True))
@@ -115,48 +123,81 @@ def plain(sentence: str) -> PlainSentence:
 
     >>> plain("And now twice as much fog")
     PlainSentence(text='more fog', factor=2.0, compared='more fog')
+    >>> plain("brighten the lamp a bit").text
+    'the lamp a bit brighter'
     """
     text = _wish(_PATTERNS["start"].sub("", _PATTERNS["tail"].sub("", " ".join(sentence.split()))))
-    factor = 0.0
+    text = _rewritten(text, _COMPARING)
+    for verb, comparative in _VERBS:
+        text = verb.sub(partial(_compared, comparative), text)
+    text, factor, place = _with_factor(text)
+    compared = text[place:] if factor else ""
+    return PlainSentence(_rewritten(text, _PLAINER), factor, _rewritten(compared, _PLAINER))
+
+
+def _with_factor(text: str) -> tuple[str, float, int]:
+    """A text with a comparative in the place of its factor, the factor, 0 if there is none, and where the factor was."""
+    factor, word = 0.0, ""
     if found := _PATTERNS["stops"].search(text):
         clause = re.split(r"[,;.]", text[: found.start()])[-1]
         ways = (found["way"] or clause).lower().split()
         stops = _COUNTS.get(found["count"].lower(), 1.0) + (0.5 if found["half"] else 0.0)
         factor = 2.0 ** (-stops if set(ways) & set(_DOWN) else stops)
-        text = text.replace(found[0], "darker" if factor < 1.0 else "brighter")
+        word = "darker" if factor < 1.0 else "brighter"
+    elif found := _PATTERNS["share_before"].search(text):
+        word = found["what"]
+        factor = _factor({"share": found["share"], "sign": "less" if word in _DOWN else "more"})
     elif found := re.search(_POWERFUL, text, re.I):
         factor = _FACTORS[found["factor"].lower()]
-        text = text.replace(found[0], "brighter" if factor > 1.0 else "dimmer")
+        word = "brighter" if factor > 1.0 else "dimmer"
     elif found := _PATTERNS["percent"].search(text):
-        factor = _factor(found.groupdict())
-        text = text.replace(found[0], f"{found['sign']} {found['what']}")
+        factor, word = _factor(found.groupdict()), f"{found['sign']} {found['what']}"
     elif found := _PATTERNS["share_after"].search(text):
         factor = _factor({"share": found["share"], "sign": "less" if _PATTERNS["less"].search(text) else "more"})
-        text = text.replace(found[0], "")
-        if "," in text:  # a factor would apply to the whole sentence, but is meant for its last part
+        if "," in text.replace(
+            found[0], ""
+        ):  # a factor would apply to the whole sentence, but is meant for its last part
             factor = 0.0
     elif found := re.search(_MULTIPLE, text, re.I):  # "1.5x brighter", and "2 times darker" is half
-        lowers = found["what"].lower() in _DOWN
-        factor = (1.0 / max(float(found["number"]), 0.1)) if lowers else float(found["number"])
-        text = text.replace(found[0], found["what"])
+        word = found["what"]
+        factor = (1.0 / max(float(found["number"]), 0.1)) if word in _DOWN else float(found["number"])
     elif found := re.search(_COMPARED, text, re.I):
         factor = _FACTORS[found["factor"].lower()]
-        text = text.replace(found[0], "more " if factor > 1.0 else "less ")
-    compared = text[found.start() :] if found and factor else ""
-    return PlainSentence(_plainer(text), factor, _plainer(compared))
+        word = "more " if factor > 1.0 else "less "
+    if not found:
+        return text, 0.0, 0
+    return text.replace(found[0], word), factor, found.start()
 
 
-def _plainer(text: str) -> str:
-    """A text with plain words in the place of others."""
-    for pattern, word in _PLAINER:
-        text = pattern.sub(word, text)
-    return text.strip()
+def _compared(comparative: str, found: re.Match[str]) -> str:
+    """A verb and its object as a comparison: "slightly darken the wall" as "the wall a bit darker"."""
+    degree = (found["before"] or found["after"] or "").strip()
+    return " ".join(filter(None, (found["thing"], degree, comparative)))
+
+
+def _rewritten(text: str, table: Iterable[tuple[re.Pattern[str], str]]) -> str:
+    """A text with other words in the place of what the patterns of a table match, one after the other."""
+    for pattern, words in table:
+        text = " ".join(pattern.sub(words, text).split())
+    return text
 
 
 def _wish(text: str) -> str:
-    """The request of a sentence, without its complaint about the present look and without reasons."""
+    """The request of a sentence, without what it says about the present look and without reasons."""
     text = _PATTERNS["reason"].sub("", _PATTERNS["resembles"].sub("", text))
     found = _PATTERNS["complaint"].fullmatch(text)
     if found and found["thing"].lower() not in _PRONOUNS:
-        return re.sub(r"\b(?:it|them)\b", f"the {found['thing']}", found["act"], count=1, flags=re.I)
-    return text
+        return _with_noun(found["act"], found["thing"])
+    clauses = re.split(r"\s*[,;.!?]+\s+|\s+-+\s+", text)
+    stated = [None if _PATTERNS["modal"].search(each) else _PATTERNS["statement"].match(each) for each in clauses]
+    if len(clauses) == 1 or all(stated) or not any(stated):
+        return text
+    things = [each["thing"] for each in stated if each and each["thing"].lower() not in _PRONOUNS]
+    wished = ", ".join(clause for clause, each in zip(clauses, stated, strict=True) if not each)
+    return _with_noun(wished, things[-1]) if things else wished
+
+
+def _with_noun(text: str, noun: str) -> str:
+    """A text with a noun in the place of its first pronoun."""
+    noun = noun if noun.startswith("the ") else f"the {noun}"
+    return re.sub(r"\b(?:it|them|that)\b(?! \w*(?:er|s)\b)", noun, text, count=1, flags=re.I)

@@ -115,7 +115,12 @@ def _phrases(vocabulary: Vocabulary) -> frozenset[str]:
 
 def _is_english(text: str, vocabulary: Vocabulary) -> bool:
     known = vocabulary.made(_known_english)
-    return all(word in known or table().is_english(word) for word in text.lower().split())
+    return all(
+        word in known
+        or table().is_english(word)
+        or not vocabulary.adjectives.keys().isdisjoint(vocabulary.stems(word, "comparative"))
+        for word in text.lower().split()
+    )
 
 
 def _known_english(v: Vocabulary) -> frozenset[str]:

@@ -58,8 +58,7 @@ class PromptLook:
     @property
     def less(self) -> bool:
         """True for "less ...": the image is to have less of the look than now."""
-        word_of_its_own = self.token.text.startswith("less ")  # "less contrast"
-        return self.text.startswith("less ") and not word_of_its_own
+        return "less" in self.text.removesuffix(self.token.text).split()  # no phrase such as "less contrast"
 
 
 @dataclass

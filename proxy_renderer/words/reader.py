@@ -236,7 +236,9 @@ def _attributes(read: PromptReading, pair: TargetPair, entry: str, thing: Attrib
     """The attributes that a look word gives a thing; a mood brings those of its meaning, each read without a scene."""
     word, token = pair.look, pair.look.token
     known = read.vocabulary.entries.get(entry)
-    if known and word.less and known.opposite and known.slot != "atmosphere":  # less fog is still fog
+    less = word.less
+    if known and less and known.opposite and known.slot != "atmosphere":  # less fog is still fog
+        less = False
         known, word = read.vocabulary.entries[known.opposite], replace(word, strength=_LESS)
     own = replace(
         thing,
@@ -245,6 +247,7 @@ def _attributes(read: PromptReading, pair: TargetPair, entry: str, thing: Attrib
         slot=known.slot if known else "color",
         strength=word.strength,
         negated=word.negated,
+        less=less,
         color=None if known else token.color,
         guess=bool(token.guess),
         shades=token.shades if known else (),

@@ -123,6 +123,7 @@ class Attribute:
     kind: str = "subject"  # of what it describes: "subject", "surroundings", "sky", "light", "fog", ...
     strength: float = 1.0  # 1 as named; below for "slightly", above for "very"
     negated: bool = False  # "no", "without", "not"
+    less: bool = False  # asks for less of its entry: "less fog". "Less glossy" has the entry matte: False
     owners: tuple[str, ...] = ()  # materials that are meant; empty for all of the region
     role: str = ""  # the lights that are meant: "key", "fill", "rim" or "others"; "" for light in general
     color: Values | None = None  # the named color, sRGB in [0, 1]; None unless the slot is "color"

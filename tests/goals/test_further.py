@@ -10,22 +10,23 @@ from goal_parts import ROOM, plan_of, read
 
 from proxy_renderer.claims.claim import Claim
 from proxy_renderer.claims.from_goals import claims_of
+from proxy_renderer.color.floats import oklab_from_srgb
 from proxy_renderer.goals import written
-from proxy_renderer.goals.relative import further
+from proxy_renderer.goals.further import further
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.rigs.chosen import chosen_rig
 from proxy_renderer.schema import sentences
 from proxy_renderer.words.lexicon.rigs import rig_table
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.words.parser import parse
-from proxy_renderer.words.types import LightDescription, SceneDescription
+from proxy_renderer.words.types import LightDescription, MaterialLook, SceneDescription
 
 VOCABULARY = shipped_vocabulary()
 
 
 def step(sentence):
     text, factor, compared = sentences.plain(sentence)
-    return further(read(text), VOCABULARY, factor, compared)
+    return further(read(text), VOCABULARY, ROOM, factor, compared)
 
 
 def change(sentence):
@@ -73,7 +74,9 @@ def test_a_factor_is_of_the_word_that_it_stands_before():
 def test_a_light_that_is_called_by_its_name_is_no_setup():
     lights = {"Window Light": LightDescription("AREA"), "Sun": LightDescription("SUN")}
     text, factor, _ = sentences.plain("window light too strong, bring it down a bit")
-    goals = further(goals_of(parse(text, SceneDescription(lights=lights))), VOCABULARY, factor)
+    goals = further(
+        goals_of(parse(text, SceneDescription(lights=lights))), VOCABULARY, SceneDescription(lights=lights), factor
+    )
     assert chosen_rig(goals, rig_table(), VOCABULARY) is None
     wished = {(effect.name, wish.attribute.lights) for wish in goals.wishes for effect in wish.effects}
     assert wished
@@ -95,6 +98,64 @@ def test_a_bit_is_half_and_much_is_twice_of_the_plain_word():
             assert change(f"{small} {word}")[1] == pytest.approx(plain / 2), small
         for large in ("much", "a lot"):
             assert change(f"{large} {word}")[1] == pytest.approx(2 * plain), large
+
+
+@pytest.mark.parametrize(
+    ("sentence", "sign"),
+    [("fog thinner", -1), ("the fog is too thick", -1), ("thicker fog", 1), ("a bit less fog", -1)],
+)
+def test_the_noun_of_a_comparison_is_no_wish_of_its_own(sentence, sign):
+    (wish,) = step(sentence).wishes
+    assert wish.quantity == "haze"
+    assert wish.claims[0].lower[0] * sign > 0.0
+
+
+@pytest.mark.parametrize(
+    "sentence", ["lamp off", "kill the lamp", "brighten the lamp", "the lamp less bright", "dimmer lamp", "red lamp"]
+)
+def test_words_about_a_light_that_is_there_set_up_no_rig(sentence):
+    scene = SceneDescription(lights={"Floor Lamp": LightDescription("POINT"), "Sun": LightDescription("SUN")})
+    text, factor, compared = sentences.plain(sentence)
+    goals = further(goals_of(parse(text, scene)), VOCABULARY, scene, factor, compared)
+    assert {wish.attribute.lights for wish in goals.wishes} == {("Floor Lamp",)}
+    assert chosen_rig(goals, rig_table(), VOCABULARY) is None
+
+
+def test_less_of_a_color_takes_it_away_and_more_brings_it():
+    beige = (0.8, 0.65, 0.6)
+    look = MaterialLook(color=beige, share=0.2)
+    scene = SceneDescription(
+        objects={"Wall": "surroundings"},
+        materials={"Paint": "surroundings"},
+        object_materials={"Wall": ("Paint",)},
+        looks={"Paint": look},
+    )
+
+    def red_of(sentence):
+        goals = further(goals_of(parse(sentence, scene)), VOCABULARY, scene)
+        return oklab_from_srgb(goals.wishes[0].attribute.color)[1]
+
+    own = oklab_from_srgb(beige)[1]
+    assert (
+        red_of("wall much less red")
+        < red_of("wall less red")
+        < own
+        < red_of("wall a bit redder")
+        < red_of("wall redder")
+    )
+
+
+def test_a_color_of_nothing_is_a_cast_of_the_image():
+    (wish,) = step("less magenta").wishes
+    assert (wish.quantity, wish.claims[0].measure, wish.claims[0].part) == ("cast", "tint", "picture")
+    assert wish.claims[0].upper[0] < 0.0
+    assert not any(effect.owner == "material" for effect in wish.effects)
+
+
+def test_a_word_that_does_not_say_of_what_is_left_out():
+    goals = step("less blur")
+    assert not goals.wishes
+    assert "does not name" in goals.parsed.notes[-1]
 
 
 def test_twice_as_much_is_a_factor_of_the_value():

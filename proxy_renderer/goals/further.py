@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Goals of a further sentence, which are relative to the image that it goes on from."""
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+
+from ..color.floats import hex_from_srgb, oklab_from_srgb, srgb_from_oklab
+from ..schema import FAMILIES, Values
+from ..words.lexicon.entries import Effect
+from ..words.lexicon.quantities import ClaimText
+from ..words.lexicon.rigs import rig_table
+from ..words.lexicon.vocabulary import Vocabulary
+from ..words.types import Attribute, SceneDescription
+from .relative import compares
+from .resolve import Goals, resolved
+from .wish import Wish, wishes_of
+
+_OF = re.compile(r"\b(?:for|on|of|to) (?:the|her|his|its|this|that) (?:\w+ ){0,2}?(\w+)(?=$|[,;.]| instead\b)", re.I)
+_ADDED = "things are not added"  # in the note on words that ask for new objects
+_SMALL = re.compile(r"\b(?:bit|little|slightly|subtly|gently)\b")
+_LARGE = re.compile(r"\b(?:much|very|strongly|far|extremely)\b")
+_NOTICED = 2.0  # noticeable differences in one step; for warmth one step is a cast of about 3 ΔE
+_LEAST, _MOST = 0.8, 1.3  # shares of the requested change between which a word is satisfied
+_REACH = 0.07  # share of its range by which a value may move for one step, up or down
+_BRIGHTER = 2.0**0.5  # factor of one step for values on a log scale that no measure reads: half a stop
+_NO_AMOUNTS = ("hardness", "light_color", "cast")  # quantities of which no number is twice as much
+_EXACT = 0.01  # share by which "twice as much" may be missed
+
+
+def further(
+    goals: Goals, vocabulary: Vocabulary, scene: SceneDescription, factor: float = 0.0, text: str = ""
+) -> Goals:
+    """Goals of a sentence that goes on from an image of a scene.
+
+    Args:
+        factor: 2 in "twice as much fog"; 0 if the sentence has none.
+        text: The sentence from the word that the factor is of.
+    """
+    said, wishes = list[Attribute](), list[Wish]()
+    every = (*goals.wishes, *(each.wish for each in goals.lost))
+    compared = [a for a in goals.parsed.attributes if not a.cause and compares(a, (), vocabulary)]
+    # of "half as red, more contrast" the red
+    first = next((a for a in compared if text.startswith(a.word)), None)
+    notes = list(goals.parsed.notes)
+    for attribute in goals.parsed.attributes:
+        mine = [wish for wish in every if wish.attribute is attribute]
+        if why := _why_not(attribute, goals):
+            notes.append(f"'{attribute.word}' is not used: {why}.")
+            continue
+        if attribute in compared:
+            own_factor = factor if first in (None, attribute) else 0.0
+            noun = next((a for a in goals.parsed.attributes if _is_noun_of(a, attribute)), None)
+            if attribute.color:
+                mine = [*_recolored(attribute, vocabulary, scene, own_factor)]
+            else:
+                mine = [*_compared(attribute, vocabulary, own_factor, noun)]
+            attribute = mine[0].attribute if mine else attribute
+        elif any(_is_noun_of(attribute, each) or _names_light_of(attribute, each) for each in compared):
+            attribute, mine = replace(attribute, entry=""), []
+        elif _changes_own_light(attribute):  # of the lights that are there, without a rig
+            mine = [replace(wish, attribute=replace(wish.attribute, entry="")) for wish in mine]
+            attribute = mine[0].attribute if mine else attribute
+        elif attribute.role in ("rim", "fill"):  # a further light has to change the present image visibly
+            mine = [replace(wish, claims=tuple(map(_beside, wish.claims))) for wish in mine]
+        said.append(attribute)
+        wishes += mine
+    return replace(resolved(replace(goals.parsed, attributes=said, notes=notes), wishes), holds=True)
+
+
+def _why_not(attribute: Attribute, goals: Goals) -> str:
+    """Why a word of a further sentence is left out: what it describes is not there, or it does not say of what; "" if it is used."""
+    if attribute.word in ("more", "less", "a bit more", "a bit less", "much more", "much less"):
+        return "the sentence does not name what there is to be more or less of"
+    unnamed = not (attribute.owners or attribute.lights or attribute.role)
+    if unnamed and any(_ADDED in note for note in goals.parsed.notes):
+        return "it is of something that would have to be added"
+    unnamed = unnamed and attribute.kind == attribute.thing == "subject"
+    absent = [noun for noun in _OF.findall(goals.parsed.prompt) if noun.lower() in goals.parsed.ignored]
+    return f"there is no '{absent[0]}' in the scene" if unnamed and absent else ""
+
+
+def _is_noun_of(attribute: Attribute, compared: Attribute) -> bool:
+    """True if a word only names what a comparative word describes: in "fog thinner" nobody asks for fog."""
+    return attribute is not compared and attribute.word == compared.thing and attribute.slot == "atmosphere"
+
+
+def _changes_own_light(attribute: Attribute) -> bool:
+    """True if a word changes power or color of lights that the scene has: "lamp off"; not for a direction, a setup, or a new light."""
+    table = rig_table()
+    modifier = table.modifier(attribute.entry)
+    turns = modifier is not None and "direction" in modifier.aspects
+    return bool(attribute.lights) and attribute.entry not in table.rigs and not turns
+
+
+_TINTED = {
+    "tone": ("film", "gain", "midtone"), "shadow": ("film", "lift"), "highlight": ("film", "gain"),
+    "thing": ("material", "base_color", "tint"), "sky": ("world", "color", "tint"),
+}  # fmt: skip
+"""Kind of a target -> owner and names of the parameters that make it more or less of a color."""
+_ALIKE = 0.87  # cosine of the angle of hue up to which two colors count as one: 30 degrees
+_GRAYISH = 0.03  # OKLab chroma below which a color has no hue
+_MIXED = {1.0: 0.2, 2.0: 0.4, 4.0: 0.75}
+"""Steps of a comparative color word -> the share of the way to that color, or of that color which is taken away."""
+
+
+def _recolored(attribute: Attribute, vocabulary: Vocabulary, scene: SceneDescription, factor: float) -> Iterator[Wish]:
+    """The wish of a comparative color: "a redder wall" is nearer to red than it is, "less pink" has less of the pink.
+
+    Where the present color is not known, the tint of the object, of the sky or of the image moves that way.
+    """
+    assert attribute.color
+    steps = _steps(attribute.word)
+    share = abs(1.0 - factor) if factor else _MIXED[steps]
+    present = _color_of(attribute, scene)
+    if present is not None:
+        color = (
+            _toned_down(present, attribute.color, share) if attribute.less else _mixed(present, attribute.color, share)
+        )
+        yield from wishes_of([replace(attribute, color=color, strength=1.0)], vocabulary)
+    elif not (attribute.lights or attribute.role):
+        _, a, b = oklab_from_srgb(attribute.color)
+        if math.hypot(a, b) < _GRAYISH:
+            return
+        kind = "thing" if attribute.owners else attribute.kind
+        steps = (2.0 * abs(math.log2(factor)) if factor else steps) * (-1.0 if attribute.less else 1.0)
+        ends = tuple(sorted((_LEAST * _NOTICED * steps, _MOST * _NOTICED * steps)))
+        part = kind if kind in ("thing", "sky") else "picture"
+        hue = hex_from_srgb(attribute.color)
+        tint = ClaimText(part, "tint", ends[:1], ends[1:], color=hue, by=True)
+        owner, *names = _TINTED.get(kind, _TINTED["tone"])
+        reach = _REACH * abs(steps)
+        effects = tuple(Effect(owner, name, "near", (-reach,), (reach,), priority=1) for name in names)
+        bound = replace(attribute, entry="", color=None, strength=1.0)
+        if part == "picture":
+            bound = replace(bound, slot="grade", kind="tone", region="whole")
+        yield Wish(bound, "color" if part == "thing" else "cast", effects=effects, claims=(tint,))
+
+
+def _color_of(attribute: Attribute, scene: SceneDescription) -> Values | None:
+    """Present color of what a word describes, of its largest material; None if no color is known.
+
+    A word that names no object is about the subject only if that has such a color.
+    """
+    materials = attribute.owners or [
+        n for n, region in scene.materials.items() if region == attribute.region == "subject"
+    ]
+    looks = [scene.looks[name] for name in materials if name in scene.looks]
+    color = max(looks, key=lambda look: look.share).color if looks else None
+    if color is None or attribute.owners:
+        return color
+    (_, *first), (_, *other) = oklab_from_srgb(color), oklab_from_srgb(attribute.color or color)
+    lengths = math.hypot(*first), math.hypot(*other)
+    cosine = sum(x * y for x, y in zip(first, other, strict=True)) / max(lengths[0] * lengths[1], 1e-9)
+    return color if min(lengths) > _GRAYISH and cosine > _ALIKE else None
+
+
+def _mixed(present: Values, named: Values, share: float) -> Values:
+    """A color, sRGB, moved by a share of the way to another in OKLab; its lightness stays nearer to its own."""
+    rows = zip(oklab_from_srgb(present), oklab_from_srgb(named), (0.5 * share, share, share), strict=True)
+    light, a, b = (v + part * (w - v) for v, w, part in rows)
+    return srgb_from_oklab((light, a, b))
+
+
+def _toned_down(present: Values, named: Values, share: float) -> Values:
+    """A color, sRGB, without a share of what it has of another hue, in OKLab."""
+    light, a, b = oklab_from_srgb(present)
+    _, x, y = oklab_from_srgb(named)
+    along = max(a * x + b * y, 0.0) / max(x * x + y * y, 1e-9)
+    return srgb_from_oklab((light, a - share * along * x, b - share * along * y))
+
+
+def _names_light_of(attribute: Attribute, compared: Attribute) -> bool:
+    """True if a word only names the light of a comparative word: in "the window light a bit darker" nobody asks for a window."""
+    same = bool(attribute.lights) and {*attribute.lights} <= {*compared.lights}
+    return attribute.slot == "lighting" and (same or bool(attribute.role and attribute.role == compared.role))
+
+
+def _beside(claim: ClaimText) -> ClaimText:
+    """A claim with a sufficient change, turned into a claim for 1 to 2.5 noticeable steps that way; other claims as they are."""
+    ends = (1.0, 2.5) if (claim.change or 0.0) > 0.0 else (-2.5, -1.0)
+    return replace(claim, lower=ends[:1], upper=ends[1:], change=None, by=True) if claim.change else claim
+
+
+def _compared(attribute: Attribute, vocabulary: Vocabulary, factor: float, noun: Attribute | None) -> Iterator[Wish]:
+    """At most one wish of a comparative word: the change of one measure, or without a measure of the parameters themselves.
+
+    `noun` is the word for what it describes: thin fog has less fog than "fog", so "fog thinner" asks for less.
+    """
+    plain = wishes_of([replace(attribute, strength=1.0)], vocabulary)
+    main = next((wish for wish in plain if wish.claims), next((wish for wish in plain if wish.effects), None))
+    if main is None:
+        return
+    # Effects that belong to the main wish. Other wishes with a class or claims of their own are left out, and so are
+    # weak effects.
+    others = (w for w in plain if not (w is main or w.named or w.claims))
+    effects = (*main.effects, *(e for wish in others for e in wish.effects if not e.weak))
+    falls = attribute.less != (noun is not None and _is_less_than(main, noun, vocabulary))
+    way = _steps(attribute.word) * (-1.0 if falls else 1.0)
+    if factor and main.quantity in _NO_AMOUNTS:  # nobody can say what half the warmth is: as many steps as stops
+        way, factor = math.copysign(2.0 * abs(math.log2(factor)), way), 0.0
+    claims: tuple[ClaimText, ...] = ()
+    if main.claims and not factor:
+        claim = main.claims[-1]
+        rises = claim.change > 0.0 if claim.change else claim.lower[0] > -math.inf
+        noticed = _NOTICED * (way if rises else -way)
+        lower, upper = sorted((_LEAST * noticed, _MOST * noticed))
+        claims = (replace(claim, lower=(lower,), upper=(upper,), change=None, near=True, by=True),)
+        moved = [_around(effect, noticed, way) for effect in effects]
+    else:
+        moved = [_effect_moved(e, way, factor) for e in effects if FAMILIES[e.family].components == 1]
+    # Without an entry the word stands for no rig: it is about the light that is in the scene.
+    bound = replace(attribute, entry="", strength=1.0, shades=(), phrases=())
+    yield Wish(bound, main.quantity, effects=tuple(dict.fromkeys(moved)), claims=claims)
+
+
+def _around(effect: Effect, noticed: float, way: float) -> Effect:
+    """An effect that lets its parameter move around its value; sizes of lights and finishes move only in the word's direction."""
+    reach = _REACH * abs(noticed) / _NOTICED
+    towards = noticed if effect.name in ("size", "angle") else way * _finish_direction(effect)
+    down, up = (0.0 if towards > 0.0 else reach), (0.0 if towards < 0.0 else reach)
+    return Effect(effect.owner, effect.name, "near", (-down,), (up,), priority=1)
+
+
+def _finish_direction(effect: Effect) -> float:
+    """1 if an effect raises a value of a finish, -1 if it lowers the value; 0 for other effects, and if the default lies in its range."""
+    parameter = FAMILIES[effect.family]
+    if parameter.group != "material" or parameter.components > 1 or effect.mode:
+        return 0.0
+    low, plain, high = effect.lower[0], parameter.default, effect.upper[0]
+    if low < plain < high:
+        return 0.0
+    # A range that begins at the parameter's own lower end, as "coat 0..0.1" does, asks for less.
+    rises = high == parameter.upper if plain >= high else low > parameter.lower
+    return 1.0 if rises else -1.0
+
+
+def _effect_moved(effect: Effect, way: float, factor: float) -> Effect:
+    """An effect that moves its parameter by a factor, or, if that is 0, by `way` steps in the effect's own direction."""
+    parameter = FAMILIES[effect.family]
+    if not factor:
+        rises = effect.mode == "times" and effect.lower[0] * effect.upper[0] > 1.0
+        if effect.mode != "times" and effect.lower:
+            rises = effect.lower[0] + effect.upper[0] > 2 * parameter.default
+        way = way if rises else -way
+        if parameter.scale.name != "log":
+            ends = sorted((_REACH * way * (1 - _EXACT), _REACH * way * (1 + _EXACT)))
+            return Effect(effect.owner, effect.name, "near", (ends[0],), (ends[1],), priority=1)
+        factor = _BRIGHTER**way
+    low, high = ((factor * (1 + off),) for off in (-_EXACT, _EXACT))
+    return Effect(effect.owner, effect.name, "times", low, high, priority=1)
+
+
+def _steps(word: str) -> float:
+    """Steps that a word asks for: 1 for "a bit warmer", 2 for "warmer", 4 for "much warmer"."""
+    return 1.0 if _SMALL.search(word) else 4.0 if _LARGE.search(word) else 2.0
+
+
+def _is_less_than(wish: Wish, noun: Attribute, vocabulary: Vocabulary) -> bool:
+    """True if a wish asks for lower values than the noun alone does."""
+    plain = {e.family: e for each in wishes_of([noun], vocabulary) for e in each.effects if not e.weak}
+    pairs = [(e, plain[e.family]) for e in wish.effects if e.family in plain]
+    return bool(pairs) and all(sum(e.lower + e.upper) < sum(p.lower + p.upper) for e, p in pairs)
