@@ -9,6 +9,7 @@ from dataclasses import replace
 from ..color.floats import hex_from_srgb, oklab_from_srgb, srgb_from_oklab
 from ..schema import FAMILIES, Values
 from ..words.lexicon.entries import Effect
+from ..words.lexicon.languages import thing_words
 from ..words.lexicon.quantities import ClaimText
 from ..words.lexicon.rigs import rig_table
 from ..words.lexicon.vocabulary import Vocabulary
@@ -18,6 +19,10 @@ from .resolve import Goals, resolved
 from .wish import Wish, wishes_of
 
 _OF = re.compile(r"\b(?:for|on|of|to) (?:the|her|his|its|this|that) (?:\w+ ){0,2}?(\w+)(?=$|[,;.]| instead\b)", re.I)
+_ABSENT = re.compile("there is no '(.+?)' in the scene")  # in the note on words for objects that the scene lacks
+_BARE = ("more", "less", "a bit more", "a bit less", "much more", "much less")
+_SIDES = ("front", "back", "rear", "side", "behind")
+_OF_SOMETHING = ("stronger", "weaker")  # comparatives that say nothing without a noun
 _ADDED = "things are not added"  # in the note on words that ask for new objects
 _SMALL = re.compile(r"\b(?:bit|little|slightly|subtly|gently)\b")
 _LARGE = re.compile(r"\b(?:much|very|strongly|far|extremely)\b")
@@ -71,14 +76,19 @@ def further(
 
 def _why_not(attribute: Attribute, goals: Goals) -> str:
     """Why a word of a further sentence is left out: what it describes is not there, or it does not say of what; "" if it is used."""
-    if attribute.word in ("more", "less", "a bit more", "a bit less", "much more", "much less"):
+    if attribute.word in _BARE:
         return "the sentence does not name what there is to be more or less of"
-    unnamed = not (attribute.owners or attribute.lights or attribute.role)
-    if unnamed and any(_ADDED in note for note in goals.parsed.notes):
+    if attribute.word in _SIDES:  # "front" of "front car" is no light
+        return "it names no light: write 'light from the front'"
+    if attribute.owners or attribute.lights or attribute.role:
+        return ""
+    if any(_ADDED in note for note in goals.parsed.notes):
         return "it is of something that would have to be added"
-    unnamed = unnamed and attribute.kind == attribute.thing == "subject"
+    needs_noun = attribute.kind == attribute.thing == "subject" or attribute.word.split()[-1] in _OF_SOMETHING
     absent = [noun for noun in _OF.findall(goals.parsed.prompt) if noun.lower() in goals.parsed.ignored]
-    return f"there is no '{absent[0]}' in the scene" if unnamed and absent else ""
+    absent += [noun for noun in goals.parsed.ignored if thing_words().get(noun)]
+    absent += [noun for note in goals.parsed.notes for noun in _ABSENT.findall(note)]
+    return f"there is no '{absent[0]}' in the scene" if needs_noun and absent else ""
 
 
 def _is_noun_of(attribute: Attribute, compared: Attribute) -> bool:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The stage of a vibe: the words, read once against the scene, and the scene with the lights that the words ask for."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..claims.claim import Claim
@@ -15,6 +15,7 @@ from ..planning.advice import OfflineAdvisor
 from ..planning.support import asks_for_backdrop, missing_lights
 from ..planning.types import LightPlan
 from ..rigs.chosen import chosen_rig
+from ..rigs.combined import added_to_scene
 from ..rigs.lighting import OFF, Lighting, lighting
 from ..scene import SceneData
 from ..schema import Instance, VibeError, matches, sentences
@@ -24,7 +25,7 @@ from ..schema.messages import Options
 from ..words.lexicon.rigs import rig_table
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.parser import Understood
-from ..words.types import SaidLink
+from ..words.types import Attribute, SaidLink
 from .scene_words import described
 
 _SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim", "kicker", "bounce")}
@@ -75,7 +76,11 @@ def set_stage(
         written: Goals that replace those of the prompt.
         goes_on: Whether the prompt is a further sentence, whose goals are relative to the present image.
     """
+    sentence = prompt
     prompt, factor, compared = sentences.plain(prompt) if goes_on else (prompt, 0.0, "")
+    if sentence.strip() and not prompt:
+        problem = f"'{sentence}' says how the image is, not what is to change."
+        raise VibeError(problem, 'Say what is to change, and how: "less fog", "the lamp dimmer".')
     anew = goes_on and new_lights and sentences.adds_light(prompt)
     understood = Understood(prompt, described(*scenes), target)
     if anew and (added := _about_added(understood)):
@@ -91,7 +96,10 @@ def set_stage(
             problem = " ".join([f"Nothing in '{prompt}' can be changed.", *goals.parsed.notes])
             why = VibeError(problem, 'Say what is to change, and how: "less fog", "the lamp dimmer".')
             return StagedScenes(list(scenes), understood, why)
-    if chosen := chosen_rig(goals, rig_table(), vocabulary, anew):
+    chosen = chosen_rig(goals, rig_table(), vocabulary, anew)
+    if chosen and goes_on and _names_only_a_source(chosen.served):
+        chosen = replace(chosen, rig=added_to_scene(chosen.rig))
+    if chosen:
         rig = lighting(scenes, goals.parsed, chosen, new_lights)
         return StagedScenes(rig.scenes, understood, goals, rig)
 
@@ -108,6 +116,13 @@ def set_stage(
     if goes_on:  # the added lights are off in the image that the sentence goes on from
         scenes = [replace(scene, instances=_unlit(scene.instances, names)) for scene in scenes]
     return StagedScenes(list(scenes), understood, goals)
+
+
+def _names_only_a_source(served: Iterable[Attribute]) -> bool:
+    """True if of all setups the words name only sources of light, as a candle, and no hour, style or place."""
+    rigs = rig_table().rigs
+    kinds = {rigs[a.entry].kind for a in served if a.entry in rigs and not rigs[a.entry].adds}
+    return kinds == {"source"}
 
 
 def _about_added(understood: Understood) -> list[str]:

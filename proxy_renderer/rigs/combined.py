@@ -101,3 +101,13 @@ def deepened(rig: Rig, modifier: Modifier, strength: float) -> Rig:
     )
     world = None if rig.world is None else min(rig.world + deeper, 0.5)
     return replace(rig, lights=lights, world=world, exposure=rig.exposure + modifier.exposure * strength)
+
+
+def added_to_scene(rig: Rig) -> Rig:
+    """A setup whose lights are added to a scene that stays lit as it is."""
+    lights = tuple(
+        replace(light, part="accent", stops=_SECOND) if light.part == "key" else light for light in rig.lights
+    )
+    says = "The scene stays lit as it is; lights are added to that."
+    rig = replace(rig, says=says, own=0.0, exposure=0.0, lights=lights, grade=(), under_sky=False)
+    return replace(rig, world=None, world_color="", sky=None, sky_color="", air=None)

@@ -28,7 +28,10 @@ _FACTORS = {
 _PATTERNS = {name: _pattern(text) for name, text in _TABLES["patterns"].items()}
 _FORMS = [(kind, _pattern(f"(?:{form})[.!]*")) for kind, form in _TABLES["forms"]]
 _COMPARING = [(_pattern(text), word) for text, word in _TABLES["comparing"]]
-_OBJECT = r"(?P<thing>(?:the|that|this|her|his|its|my|those|these) [\w -]+?)(?: up| down| off)?(?P<after> a bit| much)?"
+_OBJECT = (
+    r"(?P<thing>(?:the|that|this|her|his|its|my|those|these) [\w -]+?|it|them|everything)(?: up| down| off)?"
+    r"(?P<after> a bit| much)?"
+)
 _VERBS = [
     (re.compile(rf"\b(?P<before>a bit |much )?(?:{verb})(?: up| down| off)? {_OBJECT}(?=$|[,;.]| by )", re.I), word)
     for verb, word in _TABLES["verbs"]
@@ -41,6 +44,7 @@ _POWERFUL = rf"\b(?P<factor>{_WORDS}) as (?:strong|bright|intense|powerful)\b"
 _TIMES = "|".join(word for word in _FACTORS if not word.startswith("a "))
 _COMPARED = rf"\b(?P<factor>{_TIMES})(?: as(?: much)?)?(?: of)?(?: the)? (?=\w)"
 _MULTIPLE = r"\b(?P<number>\d{1,2}(?:\.\d+)?) ?(?:x|×|times)(?: as)? (?P<what>brighter|stronger|darker|dimmer|weaker|more|less)\b"
+_MULTIPLE_AFTER = r",? (?:(?:like|about|maybe|by) )?(?P<number>\d{1,2}(?:\.\d+)?) ?(?:x|×|times)$"
 _COUNTS = {"two": 2.0, "three": 3.0, "half a": 0.5, "1/2": 0.5, "2/3": 2 / 3}
 _COUNTS |= dict.fromkeys(("a third of a", "third of a", "1/3"), 1 / 3)
 _DOWN = ("darker", "dimmer", "weaker", "down", "under", "less")
@@ -161,6 +165,8 @@ def _with_factor(text: str) -> tuple[str, float, int]:
     elif found := re.search(_MULTIPLE, text, re.I):  # "1.5x brighter", and "2 times darker" is half
         word = found["what"]
         factor = (1.0 / max(float(found["number"]), 0.1)) if word in _DOWN else float(found["number"])
+    elif found := re.search(_MULTIPLE_AFTER, text, re.I):  # "stronger glow, like 3x"
+        factor = float(found["number"])
     elif found := re.search(_COMPARED, text, re.I):
         factor = _FACTORS[found["factor"].lower()]
         word = "more " if factor > 1.0 else "less "
@@ -185,12 +191,13 @@ def _rewritten(text: str, table: Iterable[tuple[re.Pattern[str], str]]) -> str:
 def _wish(text: str) -> str:
     """The request of a sentence, without what it says about the present look and without reasons."""
     text = _PATTERNS["reason"].sub("", _PATTERNS["resembles"].sub("", text))
+    text = _PATTERNS["needs"].sub(", ", text).strip(" ,")
     found = _PATTERNS["complaint"].fullmatch(text)
     if found and found["thing"].lower() not in _PRONOUNS:
         return _with_noun(found["act"], found["thing"])
     clauses = re.split(r"\s*[,;.!?]+\s+|\s+-+\s+", text)
     stated = [None if _PATTERNS["modal"].search(each) else _PATTERNS["statement"].match(each) for each in clauses]
-    if len(clauses) == 1 or all(stated) or not any(stated):
+    if len(clauses) == 1 or not any(stated):
         return text
     things = [each["thing"] for each in stated if each and each["thing"].lower() not in _PRONOUNS]
     wished = ", ".join(clause for clause, each in zip(clauses, stated, strict=True) if not each)
