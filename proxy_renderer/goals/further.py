@@ -84,7 +84,8 @@ def _why_not(attribute: Attribute, goals: Goals) -> str:
         return ""
     if any(_ADDED in note for note in goals.parsed.notes):
         return "it is of something that would have to be added"
-    needs_noun = attribute.kind == attribute.thing == "subject" or attribute.word.split()[-1] in _OF_SOMETHING
+    unnamed = attribute.kind == "subject" and attribute.thing.lower() not in goals.parsed.prompt.lower()
+    needs_noun = unnamed or attribute.word.split()[-1] in _OF_SOMETHING
     absent = [noun for noun in _OF.findall(goals.parsed.prompt) if noun.lower() in goals.parsed.ignored]
     absent += [noun for noun in goals.parsed.ignored if thing_words().get(noun)]
     absent += [noun for note in goals.parsed.notes for noun in _ABSENT.findall(note)]
@@ -107,6 +108,7 @@ def _changes_own_light(attribute: Attribute) -> bool:
 _TINTED = {
     "tone": ("film", "gain", "midtone"), "shadow": ("film", "lift"), "highlight": ("film", "gain"),
     "thing": ("material", "base_color", "tint"), "sky": ("world", "color", "tint"),
+    "light": ("lights", "color", "temperature"),
 }  # fmt: skip
 """Kind of a target -> owner and names of the parameters that make it more or less of a color."""
 _ALIKE = 0.87  # cosine of the angle of hue up to which two colors count as one: 30 degrees
@@ -129,23 +131,30 @@ def _recolored(attribute: Attribute, vocabulary: Vocabulary, scene: SceneDescrip
             _toned_down(present, attribute.color, share) if attribute.less else _mixed(present, attribute.color, share)
         )
         yield from wishes_of([replace(attribute, color=color, strength=1.0)], vocabulary)
-    elif not (attribute.lights or attribute.role):
-        _, a, b = oklab_from_srgb(attribute.color)
-        if math.hypot(a, b) < _GRAYISH:
-            return
-        kind = "thing" if attribute.owners else attribute.kind
-        steps = (2.0 * abs(math.log2(factor)) if factor else steps) * (-1.0 if attribute.less else 1.0)
-        ends = tuple(sorted((_LEAST * _NOTICED * steps, _MOST * _NOTICED * steps)))
-        part = kind if kind in ("thing", "sky") else "picture"
-        hue = hex_from_srgb(attribute.color)
-        tint = ClaimText(part, "tint", ends[:1], ends[1:], color=hue, by=True)
-        owner, *names = _TINTED.get(kind, _TINTED["tone"])
-        reach = _REACH * abs(steps)
-        effects = tuple(Effect(owner, name, "near", (-reach,), (reach,), priority=1) for name in names)
-        bound = replace(attribute, entry="", color=None, strength=1.0)
-        if part == "picture":
-            bound = replace(bound, slot="grade", kind="tone", region="whole")
-        yield Wish(bound, "color" if part == "thing" else "cast", effects=effects, claims=(tint,))
+    else:
+        stops = 2.0 * abs(math.log2(factor)) if factor else steps
+        yield from _tinted(attribute, -stops if attribute.less else stops)
+
+
+def _tinted(attribute: Attribute, steps: float) -> Iterator[Wish]:
+    """The wish that a tint moves by `steps` toward the color of a word; none for black, gray and white."""
+    assert attribute.color
+    _, a, b = oklab_from_srgb(attribute.color)
+    if math.hypot(a, b) < _GRAYISH:
+        return
+    lights = attribute.lights or attribute.role
+    kind = "thing" if attribute.owners else "light" if lights else attribute.kind
+    ends = tuple(sorted((_LEAST * _NOTICED * steps, _MOST * _NOTICED * steps)))
+    part = kind if kind in ("thing", "sky") else "picture"
+    tint = ClaimText(part, "tint", ends[:1], ends[1:], color=hex_from_srgb(attribute.color), by=True)
+    owner, *names = _TINTED.get(kind, _TINTED["tone"])
+    reach = _REACH * abs(steps)
+    effects = tuple(Effect(owner, name, "near", (-reach,), (reach,), priority=1) for name in names)
+    bound = replace(attribute, entry="", color=None, strength=1.0)
+    if part == "picture" and not lights:
+        bound = replace(bound, slot="grade", kind="tone", region="whole")
+    quantity = "color" if kind == "thing" else "light_color" if lights else "cast"
+    yield Wish(bound, quantity, effects=effects, claims=(tint,))
 
 
 def _color_of(attribute: Attribute, scene: SceneDescription) -> Values | None:
@@ -217,6 +226,8 @@ def _compared(attribute: Attribute, vocabulary: Vocabulary, factor: float, noun:
         noticed = _NOTICED * (way if rises else -way)
         lower, upper = sorted((_LEAST * noticed, _MOST * noticed))
         claims = (replace(claim, lower=(lower,), upper=(upper,), change=None, near=True, by=True),)
+        if claim.measure == "light_up":  # a lower sun stays on its side
+            effects = tuple(effect for effect in effects if effect.name != "azimuth")
         moved = [_around(effect, noticed, way) for effect in effects]
     else:
         moved = [_effect_moved(e, way, factor) for e in effects if FAMILIES[e.family].components == 1]

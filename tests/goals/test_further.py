@@ -152,6 +152,29 @@ def test_a_color_of_nothing_is_a_cast_of_the_image():
     assert not any(effect.owner == "material" for effect in wish.effects)
 
 
+def test_a_lower_light_stays_on_its_side():
+    (wish,) = step("key lower").wishes
+    assert [effect.name for effect in wish.effects] == ["elevation"]
+    assert wish.claims[0].upper[0] < 0.0
+
+
+def test_the_color_of_a_light_moves_with_its_words():
+    scene = SceneDescription(lights={"Sun": LightDescription("SUN"), "Lamp": LightDescription("POINT")})
+    (wish,) = further(goals_of(parse("sun more orange", scene)), VOCABULARY, scene).wishes
+    assert {effect.name for effect in wish.effects} == {"color", "temperature"}
+    assert wish.attribute.lights == ("Sun",)
+
+
+def test_a_look_without_its_object_is_left_out():
+    goals = step("brushed aluminium for the deck")
+    assert not goals.wishes
+    assert "no 'deck'" in goals.parsed.notes[-1]
+
+
+def test_a_side_of_an_object_is_no_light():
+    assert {wish.attribute.word for wish in step("the mug front, green").wishes} == {"green"}
+
+
 def test_a_word_that_does_not_say_of_what_is_left_out():
     goals = step("less blur")
     assert not goals.wishes
