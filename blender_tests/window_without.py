@@ -35,7 +35,7 @@ def earlier_prompts(screen):
     """One is chosen from the menu, then all are forgotten."""
     from bl_ext.user_default.vibe_render.ui import words
 
-    words.clear()
+    bpy.ops.vibe.clear_history()
     for prompt in reversed(EARLIER):
         words.remember(prompt)
     yield from screen.find("vibe.prompt", 153)
@@ -49,7 +49,7 @@ def earlier_prompts(screen):
     screen.shoot("recalled")
     yield from screen.open(row, 0.83)
     yield from screen.click_at(row + 75, 0.97)
-    yield from screen.wait(lambda: not words.prompts(), 30, "they are forgotten")
+    yield from screen.wait(lambda: not words.history(), 30, "they are forgotten")
 
 
 def single_values(screen):

@@ -73,7 +73,7 @@ def test_what_is_only_convenient_is_left_out(scene, disk, tmp_path, monkeypatch)
     picture = preview.store_before(disk.folder / "kept.png", tmp_path / "picture.png", True)
     assert picture == tmp_path / "picture.png"
     assert disk.files() == {"prompts.json"}
-    assert words.prompts() == ["noir"]
+    assert list(words.history()) == ["noir"]
 
 
 STAGES = {

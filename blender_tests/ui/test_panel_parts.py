@@ -26,25 +26,25 @@ def folder(tmp_path, monkeypatch):
 def test_earlier_prompts_come_newest_first_and_once(folder, addon):
     for text in ("noir", "golden hour", "noir", "nebliger Morgen, grün"):
         words.remember(text)
-    assert words.prompts() == ["nebliger Morgen, grün", "noir", "golden hour"]
+    assert list(words.history()) == ["nebliger Morgen, grün", "noir", "golden hour"]
     assert bpy.ops.vibe.recall(prompt="golden hour") == {"FINISHED"}
     assert addon.vibe.prompt == "golden hour"
     for number in range(40):
         words.remember(str(number))
-    assert words.prompts() == [str(number) for number in range(39, 9, -1)]
+    assert list(words.history()) == [str(number) for number in range(39, 9, -1)]
     words.remember("copper cup", ["copper=Cup"])
-    assert words.targets_of("copper cup") == ["copper=Cup"]
-    assert words.prompts()[:2] == ["copper cup", "39"]
+    assert words.history()["copper cup"] == ["copper=Cup"]
+    assert list(words.history())[:2] == ["copper cup", "39"]
     assert bpy.ops.vibe.clear_history() == {"FINISHED"}
-    assert words.prompts() == []
+    assert list(words.history()) == []
 
 
 @pytest.mark.parametrize("content", ["{", "{}", "[1, null]", "\udcff"])
 def test_a_damaged_history_is_an_empty_one(folder, content):
     (folder / "prompts.json").write_text(content, errors="surrogateescape")
-    assert words.prompts() == []
+    assert list(words.history()) == []
     words.remember("noir")
-    assert words.prompts() == ["noir"]
+    assert list(words.history()) == ["noir"]
 
 
 def test_the_list_has_every_value_and_says_which_must_stay(addon):

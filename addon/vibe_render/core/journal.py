@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Changes to a .blend, made so that every one of them can be taken back.
-
-A journal records every change; undoing goes through the records backwards. Entries are JSON. They refer to
-data-blocks by index in `ids`, so that an artist may rename these.
-"""
+"""Changes to a .blend that can be taken back: a journal records every one, and undoing goes through the records backwards."""
 
 from __future__ import annotations
 
@@ -28,8 +24,8 @@ _GONE = (LookupError, ValueError, AttributeError, ReferenceError)
 class Journal:
     """Recorded changes. Changing a node in an embedded tree that no data-block owns raises LookupError."""
 
-    entries: list[JournalEntry] = field(default_factory=list)  # in the order of the changes
-    # the data-blocks that entries refer to by index; None in place of a deleted one
+    entries: list[JournalEntry] = field(default_factory=list)  # in the order of the changes, as JSON
+    # the data-blocks that entries refer to by index, as an artist may rename them; None in place of a deleted one
     ids: list[ID | None] = field(default_factory=list)
 
     def refer(self, block: ID) -> int:
@@ -80,28 +76,20 @@ class Journal:
         self._note("lightgroup", layer, name=name)
         return name
 
-    def channelbag(self, block: ID) -> Any:
-        """The channelbag (keyframes) of a data-block; makes an action if it has none.
-
-        Raises LookupError if there is an action, but without keyframes of this data-block.
-        """
-        data = block.animation_data
-        if data and data.action:
-            if (bag := _channelbag(block)) is None:
-                raise LookupError(f"{data.action.name} has no keyframes of {block.name}")
-            return bag
-        action = self.new("actions", f"Vibe {block.name}")
-        self._note("action", block, had=data is not None, slot=data.last_slot_identifier if data else "")
-        data = data or block.animation_data_create()
-        data.action = action
-        data.action_slot = action.slots.new(block.id_type, block.name)
-        strip = action.layers.new("Layer").strips.new(type="KEYFRAME")
-        return strip.channelbag(data.action_slot, ensure=True)
-
     def curve(self, owner: bpy_struct, name: str, index: int) -> FCurve:
-        """Adds an empty curve for a property, or for a component of an array; raises LookupError as `channelbag`."""
+        """Adds an empty curve for a property, or for a component of an array; raises LookupError if its action has no slot."""
         block = owner.id_data
-        bag = self.channelbag(block)
+        data, bag = block.animation_data, _channelbag(block)
+        if bag is None:
+            if data and data.action:
+                raise LookupError(f"{data.action.name} has no keyframes of {block.name}")
+            action = self.new("actions", f"Vibe {block.name}")
+            self._note("action", block, had=data is not None, slot=data.last_slot_identifier if data else "")
+            data = data or block.animation_data_create()
+            data.action = action
+            data.action_slot = action.slots.new(block.id_type, block.name)
+            strip = action.layers.new("Layer").strips.new(type="KEYFRAME")
+            bag = strip.channelbag(data.action_slot, ensure=True)
         path = name if isinstance(owner, ID) else f"{owner.path_from_id()}.{name}"
         curve = bag.fcurves.new(path, index=index)
         curve.group = bag.groups.get(KEYFRAMES) or bag.groups.new(KEYFRAMES)
@@ -109,12 +97,7 @@ class Journal:
         return curve
 
     def hold(self, block: ID, curve: FCurve, key: str, was: float) -> None:
-        """Mutes a curve of the artist, so that its value can change.
-
-        Args:
-            key: Key of the parameter that the curve animates.
-            was: The curve's present value.
-        """
+        """Mutes a curve of the artist, so that its value can change; `key`: its parameter, `was`: its present value."""
         place = {"curve": curve.data_path, "index": curve.array_index}
         self._note("held", block, **place, keys=keys_of(curve), key=key, was=was)
         mark_held(curve, True)
@@ -235,11 +218,11 @@ class Journal:
     def extend(self, later: Journal) -> None:
         """Appends a journal of later changes. Properties that this journal has already recorded keep their first record."""
         number = {i: self.refer(block) for i, block in enumerate(later.ids) if block is not None}
-        recorded = {_slot(entry) for entry in self.entries if entry["op"] == "set"}
+        recorded = {(e["id"], e["path"], e["name"]) for e in self.entries if e["op"] == "set"}
         for entry in later.entries:
             entry = {**entry, "id": number[entry["id"]]}
             if entry["op"] == "set":
-                if _slot(entry) in recorded:
+                if (entry["id"], entry["path"], entry["name"]) in recorded:
                     continue
                 if isinstance(entry["old"], dict):
                     entry["old"] = {"id": number[entry["old"]["id"]]}
@@ -332,10 +315,6 @@ def _drop_action(block: ID, entry: JournalEntry) -> None:
     data.last_slot_identifier = entry["slot"]
     if not (entry["had"] or data.drivers or data.nla_tracks):
         block.animation_data_clear()
-
-
-def _slot(entry: JournalEntry) -> tuple:
-    return entry["id"], entry["path"], entry["name"]
 
 
 def _end(socket: NodeSocket) -> list[str]:

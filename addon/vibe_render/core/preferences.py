@@ -15,13 +15,10 @@ _FOLDER = "vibe-render"  # subfolder of the chosen cache folder: Clear deletes o
 
 
 def own_folder(path: str, create: bool = False) -> Path:
-    """A folder for the extension's files of this user.
-
-    If no extension is installed (command line), the folder that one installed from disk would have.
-    """
+    """A folder for the extension's files of this user."""
     try:
         folder = Path(bpy.utils.extension_path_user(ADDON, path=path))
-    except ValueError:
+    except ValueError:  # no extension is installed (command line): where one installed from disk has it
         place = f".user/user_default/vibe_render/{path}"
         folder = Path(bpy.utils.user_resource("EXTENSIONS", path=place))
     if create:  # Blender's own `create` returns "" if another Blender makes the folder at the same time

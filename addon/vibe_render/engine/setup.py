@@ -12,7 +12,6 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
 from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
@@ -39,11 +38,9 @@ _HELP = (
 )
 
 _VERSIONS = ((3, 11), (3, 12), (3, 13))  # of Python, for which every package has wheels
-_PROGRESS = re.compile(r"Progress (\d+) of (\d+)")
 _UNREACHABLE = (
     r"NewConnectionError|Temporary failure|Network is unreachable|ConnectTimeout|ProxyError|SSLError|ReadTimeoutError"
 )
-_OUT_OF_REACH = "Check that pip's index can be reached from here, then press Set Up Engine again."
 _AGAIN = (
     "Press Set Up Engine again, or install it by hand (docs/install.md, On the command line) and choose its Folder."
 )
@@ -52,8 +49,7 @@ _AGAIN = (
 def find_python(chosen: str = "") -> Path:
     """The Python that has the engine; raises VibeError if there is none.
 
-    Args:
-        chosen: A Python, or the folder of its environment; VIBE_ENGINE overrides it. "" searches the usual places.
+    `chosen` is a Python, or the folder of its environment; VIBE_ENGINE overrides it. "" searches the usual places.
     """
     chosen = os.environ.get(ENVIRONMENT_VARIABLE, "") or chosen
     if chosen:
@@ -61,8 +57,16 @@ def find_python(chosen: str = "") -> Path:
         if python is None or not has_engine(python):
             raise schema.VibeError(f"There is no Vibe engine in {chosen}.", _HELP)
         return python
-    for python in _likely():
-        if has_engine(python):
+    # Pythons that may have the engine, the most specific first.
+    places: list[Path] = []
+    if BUILT_FROM.is_file():
+        places.append(Path(BUILT_FROM.read_text(encoding="utf-8").strip()))
+    places += [*sorted(_CLONE.glob(".venv*"), reverse=True), Path(sys.executable)]
+    if command := shutil.which("vibe"):
+        places.append(Path(command).resolve().parent)  # pipx and uv link the command to its environment
+    places += [Path(p) for p in map(shutil.which, ("python3", "python")) if p]
+    for python in dict.fromkeys(map(python_of, places)):
+        if python and has_engine(python):
             return python
     raise schema.VibeError("The Vibe engine was not found on this computer.", _HELP)
 
@@ -87,18 +91,6 @@ def has_engine(python: Path) -> bool:
     return done.returncode == 0
 
 
-def _likely() -> Iterator[Path]:
-    """Pythons that may have the engine, the most specific first."""
-    places: list[Path] = []
-    if BUILT_FROM.is_file():
-        places.append(Path(BUILT_FROM.read_text(encoding="utf-8").strip()))
-    places += [*sorted(_CLONE.glob(".venv*"), reverse=True), Path(sys.executable)]
-    if command := shutil.which("vibe"):
-        places.append(Path(command).resolve().parent)  # pipx and uv link the command to its environment
-    places += [Path(p) for p in map(shutil.which, ("python3", "python")) if p]
-    yield from dict.fromkeys(p for p in map(python_of, places) if p)
-
-
 def own_group() -> dict:
     """Arguments of `Popen` for a process that Ctrl-C in Blender's terminal does not reach."""
     if sys.platform == "win32":
@@ -107,10 +99,8 @@ def own_group() -> dict:
 
 
 def python_of(place: Path) -> Path | None:
-    """The Python at a path: an executable, or in an environment's folder or its bin folder; None if there is none.
-
-    Links are not resolved, because they lead out of the environment.
-    """
+    """The Python at a path: an executable, or in an environment's folder or its bin folder; None if there is none."""
+    # Links are not resolved, because they lead out of the environment.
     if place.is_file():
         return place
     names = ("bin/python3", "bin/python", "Scripts/python.exe", "python3", "python", "python.exe")
@@ -121,32 +111,26 @@ def python_of(place: Path) -> Path | None:
 class TorchBuild:
     """One build of torch, and the size of the engine's whole environment with it."""
 
-    key: str
     name: str  # for buttons
     index: str  # address of the package index that has it; "" for pip's default index
     download: float  # of all packages, GB
     disk: float  # disk space that they take, GB
 
 
-CPU = TorchBuild("CPU", "Processor", "https://download.pytorch.org/whl/cpu", 0.3, 1.1)
-CUDA = TorchBuild("CUDA", "NVIDIA Card", "", 2.5, 5.8)
-USUAL = TorchBuild("USUAL", "Usual", "", 0.3, 1.1)
+CPU = TorchBuild("Processor", "https://download.pytorch.org/whl/cpu", 0.3, 1.1)
+CUDA = TorchBuild("NVIDIA Card", "", 2.5, 5.8)
+USUAL = TorchBuild("Usual", "", 0.3, 1.1)
 """The only build for Windows and macOS: the Python Package Index has no CUDA libraries for them."""
 
 
-def choices() -> tuple[TorchBuild, ...]:
-    """The builds that exist for this operating system."""
-    return (CPU, CUDA) if sys.platform == "linux" else (USUAL,)
+def choices() -> dict[str, TorchBuild]:
+    """The builds that exist for this operating system, by key."""
+    return {"CPU": CPU, "CUDA": CUDA} if sys.platform == "linux" else {"USUAL": USUAL}
 
 
-def suggested() -> TorchBuild:
-    """The build that suits this computer."""
-    return choices()[-1] if has_nvidia_card() else choices()[0]
-
-
-def by_key(key: str) -> TorchBuild:
-    """The build with this key."""
-    return next(build for build in choices() if build.key == key)
+def suggested() -> str:
+    """The key of the build that suits this computer."""
+    return list(choices())[-1 if has_nvidia_card() else 0]
 
 
 def has_nvidia_card(root: Path = Path("/")) -> bool:
@@ -284,7 +268,7 @@ class EngineSetup:
 
     def _follow(self, line: str) -> None:
         """Updates `text` and `fraction` from a line of pip's output."""
-        if match := _PROGRESS.match(line):
+        if match := re.match(r"Progress (\d+) of (\d+)", line):
             done, whole = map(int, match.groups())
             self.fraction = done / whole if whole else None
         elif match := re.match(r"\s*Downloading (?:\S+/)?(\S+?)-(\d\S*?)(?:-\S+)? \((.+)\)", line):
@@ -338,5 +322,7 @@ def _failure(text: str, lines: collections.deque[str]) -> schema.VibeError:
         )
     errors = [line.removeprefix("ERROR: ") for line in lines if line.startswith("ERROR")]
     last = next(reversed(errors), next((line for line in reversed(lines) if line), "it said nothing"))
-    remedy = _OUT_OF_REACH if "No matching distribution" in output else _AGAIN
+    remedy = _AGAIN
+    if "No matching distribution" in output:
+        remedy = "Check that pip's index can be reached from here, then press Set Up Engine again."
     return schema.VibeError(f"{text} failed: {last[:200].rstrip('.')}.", remedy)

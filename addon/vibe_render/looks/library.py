@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The preset library: the presets that come with Vibe Render, and the artist's own in a folder for them.
 
-A preset is NAME.json with an image NAME.jpg next to it. Other files in the folders are never touched. Functions raise
-VibeError if a file cannot be read or written, if a preset is broken, or if a shipped preset is to be changed.
+A preset is NAME.json with an image NAME.jpg next to it. Functions raise VibeError if a file cannot be read or written, if
+a preset is broken, or if a shipped preset is to be changed.
 """
 
 from __future__ import annotations
@@ -23,10 +23,7 @@ from . import thumbnail, transfer
 SHIPPED = Path(__file__).parent / "shipped"
 """The folder of the presets that come with Vibe Render."""
 
-PICTURE = thumbnail.SUFFIX
-
 _LARGEST_PICTURE = 4_000_000  # bytes; shipped images have about 5000
-_JPEG = b"\xff\xd8\xff"
 
 
 @dataclass(frozen=True)
@@ -55,7 +52,7 @@ class Look:
     @property
     def picture(self) -> Path:
         """The path of the preset's image, which may not exist."""
-        return self.path.with_suffix(PICTURE)
+        return self.path.with_suffix(thumbnail.SUFFIX)
 
     def matches(self, words: str) -> bool:
         """True if name or prompt contains each of the words, also as a part of a word. Case is ignored."""
@@ -64,10 +61,8 @@ class Look:
 
 
 def preset_folder(create: bool = False) -> Path:
-    """The folder of the artist's own presets; `create` makes it if it is missing.
-
-    It is among Blender's presets, because uninstalling deletes the extension's own folder.
-    """
+    """The folder of the artist's own presets; `create` makes it if it is missing."""
+    # It is among Blender's presets, because uninstalling deletes the extension's own folder.
     folder = Path(bpy.utils.user_resource("SCRIPTS", path="presets/vibe_render"))
     if create:
         with contextlib.suppress(OSError):  # writing a file there reports the reason
@@ -87,9 +82,8 @@ def all_looks(words: str = "") -> list[Look]:
 def preset_named(preset_: str) -> preset.Preset:
     """The preset that the command line names by a file's path or a name in the library."""
     path = Path(preset_).expanduser()
-    if path.suffix == ".json" or path.is_file():
-        return transfer.load_preset(path)
-    return transfer.load_preset(find_preset(preset_).path)
+    is_path = path.suffix == ".json" or path.is_file()
+    return transfer.load_preset(path if is_path else find_preset(preset_).path)
 
 
 def find_preset(name: str) -> Look:
@@ -105,10 +99,10 @@ def find_preset(name: str) -> Look:
 
 def preset_at(path: str) -> Look:
     """The preset at a path of the library; a VibeError if it is gone."""
-    look = next((look for look in all_looks() if str(look.path) == path), None)
-    if look is None:
-        raise schema.VibeError("That preset is gone.", "Choose another.")
-    return look
+    for look in all_looks():
+        if str(look.path) == path:
+            return look
+    raise schema.VibeError("That preset is gone.", "Choose another.")
 
 
 def path_for(place: Path, name: str) -> Path:
@@ -116,11 +110,6 @@ def path_for(place: Path, name: str) -> Path:
     plain = unicodedata.normalize("NFKD", name).casefold()
     words = re.sub(r"[^\w]+", "-", plain).strip("-")[:50]
     return place / f"{words or 'look'}.json"
-
-
-def save_preset(look: preset.Preset, picture: Path | None = None) -> Look:
-    """Adds a preset and its JPEG to the artist's own; the name gets a number if it is taken."""
-    return _write(preset_folder(create=True), look, picture)
 
 
 def rename_preset(look: Look, name: str) -> Look:
@@ -131,7 +120,7 @@ def rename_preset(look: Look, name: str) -> Look:
     _check_own(look)
     if look.preset is None:
         raise schema.VibeError(look.problem, "Delete it, or correct the file.")
-    renamed = _write(look.path.parent, replace(look.preset, name=name), look.picture, look.path)
+    renamed = save_preset(replace(look.preset, name=name), look.picture, look.path)
     if renamed.path != look.path:
         delete_preset(look)
     return renamed
@@ -150,7 +139,7 @@ def delete_preset(look: Look) -> None:
 def import_preset(path: Path) -> Look:
     """Copies a preset file into the artist's own presets."""
     look = transfer.load_preset(path)
-    return save_preset(replace(look, name=look.name or preset.title(path.stem)), path.with_suffix(PICTURE))
+    return save_preset(replace(look, name=look.name or preset.title(path.stem)), path.with_suffix(thumbnail.SUFFIX))
 
 
 def export_preset(look: Look, path: Path) -> None:
@@ -170,9 +159,9 @@ def _stamp(path: Path) -> tuple[int, int]:
     """Modification time and size: they change when the file does."""
     try:
         status = path.stat()
+        return status.st_mtime_ns, status.st_size
     except OSError:
         return 0, 0
-    return status.st_mtime_ns, status.st_size
 
 
 @lru_cache(maxsize=1000)  # panels ask many times a second
@@ -183,11 +172,9 @@ def _read(path: Path, _time: int, _size: int) -> Look:
         return Look(path, None, str(error))
 
 
-def _write(place: Path, look: preset.Preset, picture: Path | None, instead: Path | None = None) -> Look:
-    """Writes a preset to the file for its name, with a number if another preset, own or shipped, has that name.
-
-    `instead` is the file that the preset may overwrite: its name does not count as taken.
-    """
+def save_preset(look: preset.Preset, picture: Path | None = None, instead: Path | None = None) -> Look:
+    """Adds a preset and its JPEG to the artist's own; a name that a preset has, except the file `instead`, gets a number."""
+    place = preset_folder(create=True)
     path, number, name = path_for(place, look.name), 1, look.name
     while (SHIPPED / path.name).exists() or not (path == instead or _claimed(path)):
         number += 1
@@ -213,15 +200,12 @@ def _claimed(path: Path) -> bool:
 
 
 def _put(path: Path, look: preset.Preset, picture: Path | None) -> None:
-    """Writes a preset and its image, each file whole or not at all: another Blender may read the folder.
-
-    An image that is no JPEG, or is too large, is left out.
-    """
-    picture_path = path.with_suffix(PICTURE)
+    """Writes a preset and its image, each file whole or not at all: another Blender may read the folder."""
+    copy = path.with_suffix(thumbnail.SUFFIX)
     with whole(path, "Check the folder.") as part:
         part.write_text(look.dumps() + "\n", encoding="utf-8")
-        if picture and picture != picture_path and picture.is_file():
-            data = picture.read_bytes() if picture.stat().st_size <= _LARGEST_PICTURE else b""
-            if data.startswith(_JPEG):
-                with whole(picture_path) as copied:
+        if picture and picture != copy and picture.is_file() and picture.stat().st_size <= _LARGEST_PICTURE:
+            data = picture.read_bytes()
+            if data.startswith(b"\xff\xd8\xff"):  # a JPEG; others are left out
+                with whole(copy) as copied:
                     copied.write_bytes(data)

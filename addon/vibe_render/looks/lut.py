@@ -32,11 +32,9 @@ def neutral_grade() -> dict[str, tuple[float, ...]]:
 
 
 def graded_colors(colors: np.ndarray, values: Mapping[str, Sequence[float]], below_black: bool = False) -> np.ndarray:
-    """Applies the grade to colors (N, 3), scene-linear Rec.709, at least 0.
+    """Applies the grade to colors (N, 3), scene-linear Rec.709, at least 0; `below_black` keeps negative results.
 
-    Args:
-        values: By name ("contrast", …), in the schema's units; missing ones are neutral.
-        below_black: Keep negative values that saturation gives, unless hue or gamma change: these need values of at least 0.
+    `values` are those of the grade by name ("contrast", …), in the schema's units; missing ones are neutral.
     """
     v = {name: np.array(values.get(name, neutral)) for name, neutral in neutral_grade().items()}
     c = colors * 2.0 ** v["grade_exposure"]
@@ -44,7 +42,7 @@ def graded_colors(colors: np.ndarray, values: Mapping[str, Sequence[float]], bel
     c = _MIDDLE * (c / _MIDDLE) ** v["contrast"]
     luma = (c @ LUMA)[:, None]
     c = luma + (c - luma) * v["saturation"]
-    if below_black and v["hue"] == 0.0 and v["grade_gamma"] == 1.0:
+    if below_black and v["hue"] == 0.0 and v["grade_gamma"] == 1.0:  # hue and gamma need values of at least 0
         return c
     return _turned(np.maximum(c, 0.0), v["hue"] / 60.0) ** v["grade_gamma"]
 
@@ -58,14 +56,6 @@ def _turned(c: np.ndarray, sixths: np.ndarray) -> np.ndarray:
     return brightest - chroma * np.clip(away - 1.0, 0.0, 1.0)
 
 
-def grade_table(values: Mapping[str, Sequence[float]]) -> np.ndarray:
-    """Graded colors of a regular grid over the sRGB cube: (SIZE³, 3) sRGB, not clipped, red changing fastest."""
-    steps = np.linspace(0.0, 1.0, SIZE)
-    blue, green, red = np.meshgrid(steps, steps, steps, indexing="ij")
-    colors = to_linear(np.stack([red, green, blue], -1).reshape(-1, 3))
-    return to_srgb(graded_colors(colors, values, below_black=True))
-
-
 def write_cube(path: Path, name: str, values: Mapping[str, Sequence[float]]) -> None:
     """Writes a .cube file, whole or not at all; raises a VibeError if it cannot be written."""
     title = "".join(c for c in name if c.isprintable() and c != '"')
@@ -74,7 +64,11 @@ def write_cube(path: Path, name: str, values: Mapping[str, Sequence[float]]) -> 
         "# Without vignette, bloom and view transform: for pictures rendered with the view Standard.\n"
         f'TITLE "{title}"\nLUT_3D_SIZE {SIZE}\n'
     )
-    rows = grade_table(values)
+    # Graded colors of a regular grid over the sRGB cube: (SIZE³, 3) sRGB, not clipped, red changing fastest.
+    steps = np.linspace(0.0, 1.0, SIZE)
+    blue, green, red = np.meshgrid(steps, steps, steps, indexing="ij")
+    colors = to_linear(np.stack([red, green, blue], -1).reshape(-1, 3))
+    rows = to_srgb(graded_colors(colors, values, below_black=True))
     with whole(path) as part, part.open("w", encoding="utf-8", newline="\n") as file:
         file.write(head)
         file.write("%.6f %.6f %.6f\n" * len(rows) % tuple(rows.ravel().tolist()))

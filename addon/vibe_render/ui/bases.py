@@ -84,6 +84,7 @@ class Operator(bpy.types.Operator):
     """
 
     severity = "INFO"  # of the closing message
+    idle = False  # grayed out while a vibe runs, with a wait cursor while it works
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -91,7 +92,7 @@ class Operator(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        reason = cls.obstacle(context)
+        reason = RUNNING if cls.idle and addon_state.running else cls.obstacle(context)
         if reason:
             cls.poll_message_set(reason)  # its tooltip
         return not reason
@@ -102,6 +103,9 @@ class Operator(bpy.types.Operator):
         return ""
 
     def execute(self, context: bpy.types.Context) -> set[str]:
+        window = context.window if self.idle else None
+        if window:
+            window.cursor_modal_set("WAIT")
         try:
             message = self.perform(context)
         except (schema.VibeError, OSError) as error:
@@ -109,6 +113,9 @@ class Operator(bpy.types.Operator):
                 error = files.unwritable(Path(tempfile.gettempdir(), "vibe"), error, "Check that folder.")
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        finally:
+            if window:
+                window.cursor_modal_restore()
         drawing.redraw()
         if message:
             self.report({self.severity}, message)
@@ -132,18 +139,4 @@ class ResultOperator(Operator):
 class IdleOperator(Operator):
     """An operator that is grayed out while a vibe runs, and shows a wait cursor while it works."""
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if addon_state.running:
-            cls.poll_message_set(RUNNING)
-            return False
-        return super().poll(context)
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        if not context.window:
-            return super().execute(context)
-        context.window.cursor_modal_set("WAIT")
-        try:
-            return super().execute(context)
-        finally:
-            context.window.cursor_modal_restore()
+    idle = True

@@ -28,9 +28,8 @@ _PLACES = {"VIEW_3D": "UI", "PREFERENCES": "WINDOW"}
 _GAP = 6  # pixels between two images in one icon
 
 _Version = tuple[tuple[Path, int], ...]
-_slots: dict[tuple[bool, tuple[Path, ...]], tuple[_Version, bpy.utils.previews.ImagePreviewCollection]] = {}
-"""(Cropped to a square or not, image files) -> (their versions, their icon): the icons that are in use."""
-_swatches: bpy.utils.previews.ImagePreviewCollection | None = None
+_slots: dict[tuple[bool, tuple[Path, ...]] | str, tuple[_Version, bpy.utils.previews.ImagePreviewCollection]] = {}
+"""(Cropped to a square or not, image files), or a color -> (their versions, their icon): the icons that are in use."""
 
 _timers: set[Callable[[], float | None]] = set()
 
@@ -38,13 +37,9 @@ HEX_COLOR = re.compile(r"(#[0-9a-f]{6})")
 
 
 def paragraph(
-    layout: bpy.types.UILayout,
-    context: bpy.types.Context,
-    text: str,
-    icon: str = "NONE",
-    faint: bool = False,
+    layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str = "NONE", faint: bool = False,
     letters: int = 0,
-) -> None:
+) -> None:  # fmt: skip
     """Draws wrapped text with at most `letters` characters a line; 0 for as many as fit into the region."""
     column = layout.column(align=True)
     column.scale_y, column.active = 0.8, not faint
@@ -56,10 +51,9 @@ def paragraph(
 
 def see_rendered(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """Draws a button that switches the viewport to Rendered, unless it is."""
-    if context.space_data and context.space_data.type == "VIEW_3D":
-        shading = context.space_data.shading
-        if shading.type != "RENDERED":
-            layout.prop_enum(shading, "type", "RENDERED", text="Rendered View")
+    space = context.space_data
+    if space and space.type == "VIEW_3D" and space.shading.type != "RENDERED":
+        layout.prop_enum(space.shading, "type", "RENDERED", text="Rendered View")
 
 
 def columns(context: bpy.types.Context) -> int:
@@ -139,9 +133,8 @@ def icon(*pictures: Path | None, square: bool = False) -> int:
         if len(parts) > 1 or square:
             whole = _composed([_pixels(part) for part in parts])
             if square:
-                height, width = whole.shape
-                side = min(height, width)
-                bottom, left = (height - side) // 2, (width - side) // 2
+                side = min(whole.shape)
+                bottom, left = ((count - side) // 2 for count in whole.shape)
                 whole = whole[bottom : bottom + side, left : left + side]
             shown_part = collection.new("vibe")
             shown_part.image_size = whole.shape[::-1]
@@ -162,9 +155,9 @@ def before_after(
     there = [(path, name) for path, name in pairs if path and path.is_file()]
     if not there:
         return
-    number = icon(*(path for path, _ in there))
-    _, collection = _slots[False, tuple(path for path, _ in there)]
-    width, height = collection[str(there[0][0])].image_size
+    paths = tuple(path for path, _ in there)
+    number = icon(*paths)
+    width, height = _slots[False, paths][1][str(paths[0])].image_size
     stacked, column = width >= height, layout.column(align=True)
     if stacked and len(there) > 1:
         caption(column, there.pop(0)[1], 0.7)
@@ -187,29 +180,22 @@ def colored(layout: bpy.types.UILayout, text: str) -> None:
     row.alignment, row.scale_y = "LEFT", 0.8
     row.label(icon="BLANK1")
     for number, part in enumerate(HEX_COLOR.split(text)):
-        if number % 2:
-            row.label(icon_value=_swatch(part))
-        else:
+        if number % 2 == 0:
             row.label(text=part)
-
-
-def _swatch(color: str) -> int:
-    global _swatches
-    _swatches = _swatches or bpy.utils.previews.new()
-    if color not in _swatches:
-        plain = _swatches.new(color)
-        plain.icon_size = 16, 16
-        plain.icon_pixels_float.foreach_set([*(c / 255 for c in bytes.fromhex(color[1:])), 1.0] * 256)
-    return _swatches[color].icon_id
+            continue
+        if part not in _slots:
+            _slots[part] = (), bpy.utils.previews.new()
+            swatch = _slots[part][1].new("vibe")
+            swatch.icon_size = 16, 16
+            swatch.icon_pixels_float.foreach_set([*(c / 255 for c in bytes.fromhex(part[1:])), 1.0] * 256)
+        row.label(icon_value=_slots[part][1]["vibe"].icon_id)
 
 
 def free_icons() -> None:
     """Frees the icons of all images and colors."""
-    global _swatches
-    for collection in (*(collection for _, collection in _slots.values()), *filter(None, [_swatches])):
+    for _, collection in _slots.values():
         bpy.utils.previews.remove(collection)
     _slots.clear()
-    _swatches = None
 
 
 def _pixels(part: bpy.types.ImagePreview) -> np.ndarray:
@@ -221,16 +207,12 @@ def _pixels(part: bpy.types.ImagePreview) -> np.ndarray:
 
 
 def _composed(parts: list[np.ndarray]) -> np.ndarray:
-    """Several images, as from `_pixels`, joined into one, with the first at the top or the left.
-
-    All of them are resized to the largest.
-    """
+    """Several images, as from `_pixels`, resized to the largest and joined, with the first at the top or the left."""
     height, width = max((part.shape for part in parts), key=math.prod)
-    fitting = [resized(part, height, width) for part in parts]
     wide = width >= height
     gap = np.zeros((_GAP, width) if wide else (height, _GAP), np.int32)
-    ordered = fitting[::-1] if wide else fitting
-    pieces = [piece for part in ordered for piece in (part, gap)][:-1]
+    ordered = parts[::-1] if wide else parts  # row 0 is at the bottom
+    pieces = [piece for part in ordered for piece in (resized(part, height, width), gap)][:-1]
     return np.concatenate(pieces, axis=0 if wide else 1)
 
 

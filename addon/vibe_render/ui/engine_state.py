@@ -21,27 +21,17 @@ _PATIENCE = 60.0  # seconds that a test waits for the engine's "ready"
 
 
 class EngineState:
-    """The engine of this computer, as far as it is known.
-
-    For all methods, `choice` is the engine's folder from the preferences; "" for the usual places.
-
-    Attributes:
-        python: The Python executable that has the engine; None while it is looked for, or if there is none.
-        problem: The error if no engine was found.
-        setup: The setup of an environment that is going on; None if there is none.
-        outcome: The result of the last test or setup in words, for the preferences; "" before the first.
-        succeeded: Whether the last test or setup succeeded.
-    """
+    """The engine of this computer; `choice` is its folder from the preferences, or "" for the usual places."""
 
     def __init__(self) -> None:
         self._timer = self.tick  # one object, by which Blender knows the timer
         self._forget()
 
     def _forget(self) -> None:
-        self.python: Path | None = None
-        self.problem: schema.VibeError | None = None
-        self.setup: EngineSetup | None = None
-        self.outcome, self.succeeded = "", True
+        self.python: Path | None = None  # has the engine; None while it is looked for, or if there is none
+        self.problem: schema.VibeError | None = None  # if no engine was found
+        self.setup: EngineSetup | None = None  # that is going on
+        self.outcome, self.succeeded = "", True  # of the last test or setup, in words for the preferences
         self._choice: str | None = None
         self._search_work: Future[Path] | None = None
         self._test_work: Future[str] | None = None
@@ -68,28 +58,25 @@ class EngineState:
             return
         self._choice, self.python, self.problem = choice, None, None
         self._search_work = background.begin(lambda: find_python(choice))
-        self._follow()
+        drawing.begin(self._timer, _TICK, persistent=True)
 
     def test(self, choice: str) -> None:
         """Starts an engine in the background to see whether it answers; the result is the `outcome`."""
         if not self.testing:
             self._test_work = background.begin(lambda: version(choice))
-            self._follow()
+            drawing.begin(self._timer, _TICK, persistent=True)
 
     def set_up(self, build: TorchBuild) -> None:
         """Makes an environment for the engine, with this build of torch, in the background; raises as `requirements`."""
         if not self.setting_up:
             self.setup = EngineSetup(setup_folder(), requirements(), build)
-            self._follow()
+            drawing.begin(self._timer, _TICK, persistent=True)
 
     def close(self) -> None:
         """Cancels a setup and forgets everything."""
         if self.setup:
             self.setup.cancel()
         self._forget()
-
-    def _follow(self) -> None:
-        drawing.begin(self._timer, _TICK, persistent=True)
 
     def tick(self) -> float | None:
         """Timer function: takes results of background work; returns the seconds to the next call, None for none."""

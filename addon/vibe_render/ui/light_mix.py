@@ -26,14 +26,10 @@ def _shown(scene: bpy.types.Scene) -> light_mix.RenderedMix | None:
     return rendered if all(c.name in scene.vibe.mix for c in rendered.channels) else None
 
 
-def draw_soon() -> None:
-    """Mixes the image anew after a moment, once for all sliders that have moved by then."""
+def draw_soon(_slider: object = None, _context: object = None) -> None:
+    """Mixes the image anew after a moment, once for all sliders that have moved by then; also an update of a slider."""
     if addon_state.mix:
         drawing.begin(_draw, _TICK)
-
-
-def _changed(_channel: VibeMixChannel, _context: bpy.types.Context) -> None:
-    draw_soon()
 
 
 def _draw() -> float | None:
@@ -66,33 +62,21 @@ class VibeMixChannel(bpy.types.PropertyGroup):
     """The slider of a light layer. Its `name` is that of the light group."""
 
     factor: FloatProperty(
-        name="Power",
-        description="What the power of this light is multiplied by",
-        default=1.0,
-        min=0.0,
-        max=1000.0,
-        soft_max=4.0,
-        precision=2,
-        update=_changed,
-    )
+        name="Power", description="What the power of this light is multiplied by",
+        default=1.0, min=0.0, max=1000.0, soft_max=4.0, precision=2, update=draw_soon,
+    )  # fmt: skip
     color: FloatVectorProperty(
-        name="Color",
-        description="A color filter in front of this light. White leaves it as it is",
-        size=3,
-        subtype="COLOR",
-        default=light_mix.WHITE,
-        min=0.0,
-        max=1.0,
-        update=_changed,
-    )
+        name="Color", description="A color filter in front of this light. White leaves it as it is",
+        size=3, subtype="COLOR", default=light_mix.WHITE, min=0.0, max=1.0, update=draw_soon,
+    )  # fmt: skip
     applied: FloatVectorProperty(
         size=3, default=light_mix.WHITE, description="What Apply has multiplied it by since the render"
     )
 
     def product(self) -> Color:
         """The factor of red, green and blue."""
-        red, green, blue = (self.factor * c for c in self.color)
-        return red, green, blue
+        red, green, blue = self.color
+        return self.factor * red, self.factor * green, self.factor * blue
 
     def reset(self) -> None:
         self.factor, self.color = 1.0, light_mix.WHITE
@@ -119,7 +103,7 @@ class MixPanel(bases.IdlePanel):
         row = layout.row(align=True)
         row.operator("vibe.mix_render", text="Render Again" if shown else "Render Lights", icon="RENDER_STILL")
         row.prop(settings, "light_mix", text="After Each Vibe", toggle=True)
-        if reason := _obstacle(context):
+        if reason := VIBE_OT_mix_render.obstacle(context):
             drawing.paragraph(layout, context, reason, "INFO", faint=True)
         if shown is None:
             return
@@ -140,17 +124,6 @@ class MixPanel(bases.IdlePanel):
         row.operator("vibe.mix_reset", text="", icon="LOOP_BACK")
 
 
-def _obstacle(context: bpy.types.Context) -> str:
-    """The reason why light layers cannot be rendered now; "" if they can."""
-    if context.scene.render.engine != "CYCLES":
-        return light_mix.NEEDS_CYCLES
-    if preview.exists(context.scene):
-        return "The scene shows a look of Live. Search for it, or switch Live off"
-    if context.scene.camera is None:
-        return "The scene has no camera"
-    return bases.untouchable(context)
-
-
 class VIBE_OT_mix_render(bases.IdleOperator):
     """Render a small image with Cycles, each light in a layer of its own. Your light groups stay as they are"""
 
@@ -159,7 +132,13 @@ class VIBE_OT_mix_render(bases.IdleOperator):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        return _obstacle(context)
+        if context.scene.render.engine != "CYCLES":
+            return light_mix.NEEDS_CYCLES
+        if preview.exists(context.scene):
+            return "The scene shows a look of Live. Search for it, or switch Live off"
+        if context.scene.camera is None:
+            return "The scene has no camera"
+        return bases.untouchable(context)
 
     def perform(self, context: bpy.types.Context) -> str:
         """Renders the light layers, and sets the sliders to the mix in the compositor, or to 1."""
@@ -216,7 +195,7 @@ class VIBE_OT_mix_nodes(_Mixed):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        return super().obstacle(context) or _obstacle(context)
+        return super().obstacle(context) or VIBE_OT_mix_render.obstacle(context)
 
     def perform(self, context: bpy.types.Context) -> str:
         scene, rendered = context.scene, addon_state.mix

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The main panel, the order of all panels, and what the add-on does when Blender opens, saves or changes a file.
-
-The panels are in the 3D viewport's sidebar, tab "Vibe".
-"""
+"""The main panel, the order of all panels in the tab "Vibe", and what follows when a file is opened, saved or changed."""
 
 from __future__ import annotations
 
@@ -14,22 +11,7 @@ from bpy.app.handlers import persistent
 from ..core import preferences
 from ..run import preview
 from ..run.state import addon_state
-from . import (
-    bases,
-    drawing,
-    light_mix,
-    live,
-    picture,
-    preset_files,
-    presets,
-    properties,
-    result,
-    run,
-    scope,
-    setup,
-    steps,
-    words,
-)
+from . import bases, drawing, light_mix, live, picture, presets, properties, result, run, scope, setup, steps, words
 from .engine_state import engine_state
 
 
@@ -95,8 +77,7 @@ def _classes(*modules: ModuleType) -> list[type]:
 
 
 CLASSES = [
-    *_classes(setup, light_mix, properties, scope, run, live, words, picture),
-    *_classes(result, steps, presets, preset_files),
+    *_classes(setup, light_mix, properties, scope, run, live, words, picture, result, steps, presets),
     _panel("main", MainPanel),
     _panel("result", result.ResultPanel),
     _panel("mix", light_mix.MixPanel),
@@ -106,18 +87,6 @@ CLASSES = [
     _panel("advanced", scope.AdvancedPanel),
 ]
 """The classes to register, in order; it is also the order of the panels from top to bottom."""
-
-
-@persistent
-def _before_load(*_: object) -> None:
-    """Ends what belongs to the open file, before Blender opens another: a vibe, its images, Live."""
-    addon_state.leave_file()
-
-
-@persistent
-def _before_save(*_: object) -> None:
-    """Hides previews, so that the file is saved with the artist's values."""
-    preview.hide_all()
 
 
 @persistent
@@ -141,9 +110,10 @@ def _after_change(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> No
 
 
 _HANDLERS = {
-    "load_pre": _before_load,
+    # Before another file is opened: what belongs to this one ends, such as a vibe, its images, Live.
+    "load_pre": persistent(lambda *_: addon_state.leave_file()),
     "load_post": _show_again,
-    "save_pre": _before_save,
+    "save_pre": persistent(lambda *_: preview.hide_all()),  # the file is saved with the artist's values
     "save_post": _show_again,
     "save_post_fail": _show_again,
     "undo_post": _show_again,

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, PointerProperty
@@ -28,25 +28,7 @@ _TRAITS = {
 }
 
 
-def _is_picture(_: Any, image: bpy.types.Image) -> bool:
-    """False for render results, which are chosen by their slots."""
-    return image.type != "RENDER_RESULT"
-
-
-def _toggles() -> dict[str, Any]:
-    assert tuple(_TRAITS) == options.TRAITS
-    return {
-        f"like_{name}": BoolProperty(
-            name="Haze" if name == "air" else name.capitalize(), description=f"Copy: {what}", default=True
-        )
-        for name, what in _TRAITS.items()
-    }
-
-
-_Toggles = type("VibePictureToggles", (), {"__annotations__": _toggles(), "__module__": __name__})
-
-
-class PictureSettings(_Toggles):  # type: ignore[misc]
+class PictureSettings:
     """The panel's fields for the reference image that are not in the schema's table of options."""
 
     like_from: EnumProperty(
@@ -60,7 +42,10 @@ class PictureSettings(_Toggles):  # type: ignore[misc]
         ),
     )
     like_image: PointerProperty(
-        type=bpy.types.Image, name="Image", description="The image whose look is copied", poll=_is_picture
+        name="Image",
+        description="The image whose look is copied",
+        type=bpy.types.Image,
+        poll=lambda _, image: image.type != "RENDER_RESULT",  # renders are chosen by their slots
     )
     like_slot: IntProperty(name="Slot", description="Of the render result", default=1, min=1, soft_max=_SLOTS)
 
@@ -68,6 +53,15 @@ class PictureSettings(_Toggles):  # type: ignore[misc]
         """The traits to copy, as the option `like_only` takes them: an empty tuple stands for all of them."""
         chosen = tuple(name for name in options.TRAITS if getattr(self, f"like_{name}"))
         return () if chosen == options.TRAITS else chosen
+
+
+assert tuple(_TRAITS) == options.TRAITS
+PictureSettings.__annotations__ |= {
+    f"like_{name}": BoolProperty(
+        name="Haze" if name == "air" else name.capitalize(), description=f"Copy: {what}", default=True
+    )
+    for name, what in _TRAITS.items()
+}
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:

@@ -23,8 +23,6 @@ from ..scene.subject import SubjectChoice, forget_subject
 from . import light_mix, live
 from .picture import PictureSettings
 
-_LEFT_ALONE = ("camera",)  # off by default: the artist framed the shot
-
 
 def declare(name: str, preferences: bool) -> type:
     """A base class, for a class that Blender registers, with a property for each option of the schema.
@@ -77,22 +75,11 @@ class VibeTarget(bpy.types.PropertyGroup):
     target: StringProperty(description="A name in the scene, or one of lights, world, image, not used and so on")
 
 
-def _toggles() -> dict[str, BoolProperty]:
-    toggles = {}
-    for group in schema.GROUPS:
-        words = [labels.words(p.name) for p in schema.PARAMETERS if p.group == group]
-        names = ", ".join(word if word.isupper() else word.lower() for word in words)  # IOR
-        toggles[f"change_{group}"] = BoolProperty(
-            name=labels.GROUP_TITLES[group], description=f"A vibe may change: {names}", default=group not in _LEFT_ALONE
-        )
-    return toggles
-
-
-_Toggles = type("VibeToggles", (), {"__annotations__": _toggles(), "__module__": __name__})
-
-
-def _mix(settings: "VibeSettings", context: bpy.types.Context) -> None:
-    result.mix(settings.id_data)
+def _group_toggle(group: str) -> Any:
+    words = [labels.words(p.name) for p in schema.PARAMETERS if p.group == group]
+    names = ", ".join(word if word.isupper() else word.lower() for word in words)  # IOR
+    framed = group == "camera"  # the artist framed the shot
+    return BoolProperty(name=labels.GROUP_TITLES[group], description=f"A vibe may change: {names}", default=not framed)
 
 
 def _dim(settings: "VibeSettings", context: bpy.types.Context) -> None:
@@ -100,7 +87,7 @@ def _dim(settings: "VibeSettings", context: bpy.types.Context) -> None:
     if settings.show_original:
         settings.show_original = False  # its update writes the values
     else:
-        _mix(settings, context)
+        result.mix(settings.id_data)
 
 
 _Options = declare("VibeOptions", preferences=False)
@@ -112,7 +99,7 @@ SHARED = (
 _EFFORT = options.named("effort").panel
 
 
-class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup):  # type: ignore[misc]
+class VibeSettings(_Options, PictureSettings, bpy.types.PropertyGroup):  # type: ignore[misc]
     """The panel's fields, and what the last vibe changed."""
 
     subject: EnumProperty(
@@ -133,13 +120,11 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
     effort: EnumProperty(
         name=_EFFORT.title,
         description=_EFFORT.description,
-        items=(
-            *(
-                (name.upper(), name.capitalize(), f"{b.rounds} rounds of {b.steps} steps: {b.summary}")
-                for name, b in schema.BUDGETS.items()
-            ),
-            ("CUSTOM", "Custom", "Your own numbers"),
-        ),
+        items=[
+            (name.upper(), name.capitalize(), f"{b.rounds} rounds of {b.steps} steps: {b.summary}")
+            for name, b in schema.BUDGETS.items()
+        ]
+        + [("CUSTOM", "Custom", "Your own numbers")],
         default=_EFFORT.default,
     )
     locks: CollectionProperty(type=VibeLock, description="Single values that must stay")
@@ -152,16 +137,13 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         items=(("ASK", "Ask", "Ask when it matters"), *SHARED),
     )
     strength: FloatProperty(
-        name="Strength",
-        description="From the original (0) to the vibe (1)",
-        default=1.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        update=_dim,
-    )
+        name="Strength", description="From the original (0) to the vibe (1)",
+        default=1.0, min=0.0, max=1.0, subtype="FACTOR", update=_dim,
+    )  # fmt: skip
     show_original: BoolProperty(
-        name="Show Original", description="Switch between the scene as it was and the new look, to compare", update=_mix
+        name="Show Original",
+        description="Switch between the scene as it was and the new look, to compare",
+        update=lambda settings, _context: result.mix(settings.id_data),
     )
     changes: CollectionProperty(type=VibeChange)
     mix: CollectionProperty(type=light_mix.VibeMixChannel)
@@ -214,8 +196,10 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         chosen |= {name: getattr(budget, name) for name in schema.limits.NUMBERS}
         chosen["device"] = chosen.get("device", "").strip().lower() or "auto"
         patterns = filter(None, (pattern.strip() for pattern in self.lock.split(",")))
-        chosen |= {"groups": self.groups(), "lock": [*patterns, *self.locks.keys()]}
-        chosen |= {"target": self.target_pairs()}
+        chosen |= {"groups": self.groups(), "target": self.target_pairs(), "lock": [*patterns, *self.locks.keys()]}
         picture = reference.picture_name(self)  # the session saves the image, and then sets its path
         chosen |= {"like": picture, "like_only": self.traits() if picture else ()}
         return messages.Options.from_dict(chosen | {"online": preferences.online()})
+
+
+VibeSettings.__annotations__ |= {f"change_{group}": _group_toggle(group) for group in schema.GROUPS}

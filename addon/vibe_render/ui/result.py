@@ -25,10 +25,6 @@ from .bases import HELD, Operator, ResultOperator, result_obstacle
 from .drawing import GROUP_ICONS, HEX_COLOR, before_after, colored, columns, icon, paragraph, see_rendered
 from .scope import draw_lock
 
-_AGREEMENTS = ((1.0, "matches", True), (3.0, "is close to", True), (math.inf, "differs from", False))
-"""Upper bound of the mean CIEDE2000 between preview and render, the words for it, and whether it is a good result. 1 is
-the least difference that people see side by side."""
-
 _STATES = {
     "visible": ("Visible", "HIDE_OFF"),
     "already": ("Was so already", "DOT"),
@@ -133,9 +129,10 @@ def agreement(difference: float, engine: str) -> tuple[str, bool]:
     """The agreement of preview and render in words, and whether it is good; `difference` is their mean CIEDE2000."""
     if engine != "CYCLES":
         return "Preview is Cycles. EEVEE may look different", False
-    words, good = next((words, good) for most, words, good in _AGREEMENTS if difference < most)
+    # 1 is the least difference that people see side by side.
+    words = "matches" if difference < 1.0 else "is close to" if difference < 3.0 else "differs from"
     tenths = max(math.ceil(difference * 10.0), 1)
-    return f"The preview {words} Cycles (ΔE {tenths / 10.0:.1f}; 1 is just visible)", good
+    return f"The preview {words} Cycles (ΔE {tenths / 10.0:.1f}; 1 is just visible)", difference < 3.0
 
 
 def _draw_sequence(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
@@ -143,9 +140,9 @@ def _draw_sequence(layout: bpy.types.UILayout, context: bpy.types.Context, sessi
     row = layout.row(align=True)
     row.operator("vibe.check_sequence", icon="SEQUENCE")
     row.prop(context.scene.vibe, "check_every")
-    lost = [each for each in session.sequence if frame_line(each)]
     if note := steady_line(session.sequence):
         paragraph(layout, context, note, "CHECKMARK")
+    lost = [each for each in session.sequence if frame_line(each)]
     for each in lost[:_FRAMES]:
         if shown := icon(each.picture):
             layout.template_icon(icon_value=shown, scale=5.0)
@@ -164,8 +161,7 @@ def _draw_variants(layout: bpy.types.UILayout, variants: Sequence[tuple[messages
             cell.template_icon(icon_value=shown, scale=max(10.4 / across, 3.2))
         used = number == current
         text = str(number + 1) if used else f"Use {number + 1}"
-        button = cell.operator("vibe.variant", text=text, depress=used)
-        button.number = number
+        cell.operator("vibe.variant", text=text, depress=used).number = number
 
 
 def draw_changes(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -200,8 +196,9 @@ def _draw_changes(layout: bpy.types.UILayout, context: bpy.types.Context, same: 
         else:
             values.alignment = "RIGHT"
             before, after = change.values()
-            text = f"{labels.bare(change.name, before)} → {labels.text(change.name, after)}"  # the unit once
-            values.label(text=text)
+            values.label(
+                text=f"{labels.bare(change.name, before)} → {labels.text(change.name, after)}"
+            )  # the unit once
         if not schema.light_links.link_of(change.name):  # no search changes a link
             draw_lock(row, context.scene.vibe, change.name)
     if why:

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vibe It: runs a vibe in the background, draws its progress in the panel, and has the buttons that end it.
-
-A vibe leaves one undo step.
-"""
+"""Vibe It: runs a vibe in the background, draws its progress in the panel, and has the buttons that end it."""
 
 from __future__ import annotations
 
@@ -28,7 +25,8 @@ _REDRAW = 0.1  # seconds after which the panels are drawn again though the stage
 class Vibing(bases.Operator):
     """An operator that runs a vibe: in the background from its button, in one call from a script."""
 
-    bl_options: ClassVar[set[str]] = {"UNDO"}  # no REGISTER: "Adjust Last Operation" would do it all again
+    # A vibe leaves one undo step. No REGISTER: "Adjust Last Operation" would do it all again.
+    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if done := self._start(context, ask=True):
@@ -59,7 +57,16 @@ class Vibing(bases.Operator):
             self._clean_up(context)
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS" and not bpy.app.is_job_running("RENDER"):
-            return self._escape(context)
+            # The first Esc takes the best look so far, if there is one; otherwise the vibe is canceled.
+            if session.can_stop:
+                with contextlib.suppress(schema.VibeError):  # the next tick reports the error
+                    session.stop()
+                context.workspace.status_text_set("Taking the best so far · Esc to cancel")
+                return {"RUNNING_MODAL"}
+            addon_state.cancel()
+            self._clean_up(context)
+            self.report({"INFO"}, "Vibe canceled; the scene is as it was")
+            return {"CANCELLED"}
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         failure = _advance(session)
@@ -94,18 +101,6 @@ class Vibing(bases.Operator):
     def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session | None:
         """Begins a session, which asks about shared materials if `ask`; None if there is nothing left to do."""
         raise NotImplementedError
-
-    def _escape(self, context: bpy.types.Context) -> set[str]:
-        """The first Esc takes the best look so far, if there is one; otherwise the vibe is canceled."""
-        if self._session.can_stop:
-            with contextlib.suppress(schema.VibeError):  # the next tick reports the error
-                self._session.stop()
-            context.workspace.status_text_set("Taking the best so far · Esc to cancel")
-            return {"RUNNING_MODAL"}
-        addon_state.cancel()
-        self._clean_up(context)
-        self.report({"INFO"}, "Vibe canceled; the scene is as it was")
-        return {"CANCELLED"}
 
     def _done(self, failure: schema.VibeError | None, severity: str) -> set[str]:
         if failure is None:
@@ -167,7 +162,7 @@ class _Running(bases.Operator):
         return "" if addon_state.running else "No vibe is running"
 
 
-class VIBE_OT_stop(_Running):
+class VIBE_OT_stop(bases.Operator):
     """Stop now, and use the best look so far"""
 
     bl_label = "Stop"
@@ -228,7 +223,19 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Sessio
     if session.question:
         _draw_question(box, context, session.question)
     else:
-        _draw_progress(box, context, session)
+        drawing.before_after(box, session.before, session.preview, 11.5)
+        stage, progress = f"{session.stage}…", session.progress
+        if progress and session.stage == LOOKING:
+            left = drawing.duration(progress.seconds_left)
+            stage = f"Round {progress.round} of {progress.rounds}  ·  {left} left"
+        box.progress(factor=session.fraction, text=stage)
+        live.draw_words(box, context, session.words)
+        warnings = [*session.view_notes]
+        if session.silence > SILENT and session.stage not in PAUSING:
+            silence = drawing.duration(session.silence)
+            warnings.append(f"No response from the engine for {silence}. Wait, or cancel and try again.")
+        for warning in warnings:
+            drawing.paragraph(box, context, warning, "ERROR")
     if session.look:
         drawing.see_rendered(box, context)
     buttons = box.column(align=True)
@@ -240,26 +247,10 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Sessio
     drawing.caption(box, "Blender pauses for a moment" if session.stage in PAUSING else esc)
 
 
-def _draw_progress(box: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
-    drawing.before_after(box, session.before, session.preview, 11.5)
-    stage, progress = f"{session.stage}…", session.progress
-    if progress and session.stage == LOOKING:
-        left = drawing.duration(progress.seconds_left)
-        stage = f"Round {progress.round} of {progress.rounds}  ·  {left} left"
-    box.progress(factor=session.fraction, text=stage)
-    live.draw_words(box, context, session.words)
-    for note in session.view_notes:
-        drawing.paragraph(box, context, note, "ERROR")
-    if session.silence > SILENT and session.stage not in PAUSING:
-        note = f"No response from the engine for {drawing.duration(session.silence)}. Wait, or cancel and try again."
-        drawing.paragraph(box, context, note, "ERROR")
-
-
 def _draw_question(layout: bpy.types.UILayout, context: bpy.types.Context, question: dict[str, list[str]]) -> None:
     """The shared materials, and the two answers."""
-    drawing.paragraph(
-        layout, context, "The subject shares materials with other objects. May these change, too?", "INFO"
-    )
+    text = "The subject shares materials with other objects. May these change, too?"
+    drawing.paragraph(layout, context, text, "INFO")
     for name, users in list(question.items())[:4]:
         more = f" and {len(users) - 2} more" if len(users) > 2 else ""
         drawing.paragraph(layout, context, f"{name}, also on {', '.join(users[:2])}{more}", "MATERIAL")

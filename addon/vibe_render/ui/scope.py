@@ -99,18 +99,7 @@ class VibeValues(bpy.types.PropertyGroup):
 class VIBE_UL_values(bpy.types.UIList):
     """One value and its lock on each line."""
 
-    def draw_item(
-        self,
-        context: bpy.types.Context,
-        layout: bpy.types.UILayout,
-        _data: Any,
-        item: VibeValue,
-        _icon: int,
-        _active_data: Any,
-        _active: str,
-        _index: int = 0,
-        _flag: int = 0,
-    ) -> None:
+    def draw_item(self, context, layout, _data, item, _icon, _active_data, _active) -> None:
         """Draws a line: group, whose value, lock."""
         settings, reason = context.scene.vibe, item.reason
         group = schema.split_key(item.name)[0]
@@ -131,10 +120,9 @@ class VIBE_UL_values(bpy.types.UIList):
 
 def draw_lock(layout: bpy.types.UILayout, settings: Any, key: str, reason: str = "") -> None:
     """Draws the lock of a value. With a reason why the value must stay, it is closed, and the reason is its tooltip."""
-    locked = key in settings.locks
     row = layout.row()
     row.enabled = not reason
-    icon = "LOCKED" if locked or reason else "UNLOCKED"
+    icon = "LOCKED" if reason or key in settings.locks else "UNLOCKED"
     button = row.operator("vibe.lock", text="", icon=icon, emboss=False)
     button.key, button.reason = key, reason
 

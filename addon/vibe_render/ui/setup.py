@@ -175,8 +175,8 @@ class VIBE_OT_setup_engine(Operator):
     build: EnumProperty(
         name="Runs On",
         description="What the engine computes on",
-        items=[(b.key, b.name, f"{b.download} GB to download") for b in engine_setup.choices()],
-        default=engine_setup.suggested().key,
+        items=[(key, b.name, f"{b.download} GB to download") for key, b in engine_setup.choices().items()],
+        default=engine_setup.suggested(),
         options={"SKIP_SAVE"},
     )
 
@@ -195,12 +195,12 @@ class VIBE_OT_setup_engine(Operator):
         column = self.layout.column()
         if len(engine_setup.choices()) > 1:
             column.row().prop(self, "build", expand=True)
-        for line in engine_setup.download_text(engine_setup.by_key(self.build), setup_folder()):
+        for line in engine_setup.download_text(engine_setup.choices()[self.build], setup_folder()):
             drawing.paragraph(column, context, line, letters=_DIALOG_LETTERS)
 
     def perform(self, context: bpy.types.Context) -> None:
         try:
-            engine_state.set_up(engine_setup.by_key(self.build))
+            engine_state.set_up(engine_setup.choices()[self.build])
         except schema.VibeError as error:
             engine_state.outcome, engine_state.succeeded = str(error), False
             raise
