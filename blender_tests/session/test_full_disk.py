@@ -65,7 +65,7 @@ def test_pictures_of_blender(scene, disk):
 
 
 def test_what_is_only_convenient_is_left_out(scene, disk, tmp_path, monkeypatch):
-    monkeypatch.setattr(words, "own_folder", lambda path, create=False: disk.folder)
+    monkeypatch.setattr(words, "own_folder", lambda path: disk.folder)
     words.remember("noir")
     disk.fill()
     words.remember("golden hour")

@@ -18,8 +18,8 @@ from proxy_renderer.schema.options.table import TABLE, Option, Panel
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """The user's own folder, empty."""
-    monkeypatch.setattr(words, "own_folder", lambda path, create=False: tmp_path)
-    monkeypatch.setattr(preferences, "own_folder", lambda path, create=False: tmp_path / path)
+    monkeypatch.setattr(words, "own_folder", lambda path: tmp_path)
+    monkeypatch.setattr(preferences, "own_folder", lambda path: tmp_path / path)
     return tmp_path
 
 

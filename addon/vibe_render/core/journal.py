@@ -307,7 +307,7 @@ def set_keys(curve: FCurve, keys: Keys) -> None:
 
 
 def _drop_action(block: ID, entry: JournalEntry) -> None:
-    """Unlinks a data-block from the action that `channelbag` made, unless curves of the artist are in it."""
+    """Unlinks a data-block from the action that `curve` made, unless curves of the artist are in it."""
     bag, data = _channelbag(block), block.animation_data
     if bag is None or bag.fcurves:
         return

@@ -28,10 +28,8 @@ def make_readable() -> None:
                 text = error.object[: error.start].decode() if cut else error.object.decode("latin-1")
                 block = struct if isinstance(struct, ID) else struct.id_data
                 if not block.is_editable:
-                    raise schema.VibeError(
-                        f'"{text}" in {bpy.path.basename(block.library.filepath)} is no UTF-8.',
-                        "Rename it there and save that file again.",
-                    ) from error
+                    message = f'"{text}" in {bpy.path.basename(block.library.filepath)} is no UTF-8.'
+                    raise schema.VibeError(message, "Rename it there and save that file again.") from error
                 setattr(struct, name, text)
                 if text not in _replaced:
                     _replaced.append(text)

@@ -227,20 +227,18 @@ def image_notes(scene: Scene) -> list[str]:
     """Notes for the artist on settings of the whole image that the prediction leaves out."""
     view, render, cycles, of = scene.view_settings, scene.render, scene.cycles, layer(scene)
     culls = render.use_simplify and (cycles.use_camera_cull or cycles.use_distance_cull)
-    strips = getattr(scene.sequence_editor, "strips", ())
+    strips = render.use_sequencer and getattr(scene.sequence_editor, "strips", ())
     materials = of.material_override
+    in_place = f'The view layer "{of.name}" shows "{materials.name if materials else ""}" in place of all materials'
     settings = {
         "The view transform's curves are left out of the prediction.": view.use_curve_mapping,
         "Motion blur is left out of the prediction.": render.use_motion_blur,
         "Freestyle lines are in the pictures, not in the prediction.": render.use_freestyle,
         "The render border is left out: the whole picture is predicted and rendered.": render.use_border,
         "Stereo is left out: the picture is what the camera itself sees.": render.use_multiview,
-        "The sequencer's strips are left out: the picture is the scene's own render.": render.use_sequencer
-        and bool(strips),
+        "The sequencer's strips are left out: the picture is the scene's own render.": strips,
         "Culling by Simplify is left out: the prediction shows culled objects too.": culls,
-        f'The view layer "{of.name}" shows "{materials.name if materials else ""}" in place of all materials: words '
-        "about materials cannot be visible. Remove the material override, or ask for light only.": materials
-        is not None,
+        f"{in_place}: words about materials cannot be visible. Remove the material override, or ask for light only.": materials,
     }
     return [note for note, used in settings.items() if used]
 

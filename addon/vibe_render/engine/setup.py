@@ -163,10 +163,8 @@ def requirements() -> list[str]:
     try:
         lines = (CARRIED / "requirements.txt").read_text(encoding="utf-8").splitlines()
     except OSError as error:
-        raise schema.VibeError(
-            "This copy of the add-on does not carry the engine.",
-            "Run `pip install .` in the clone that it is part of, or install the built extension.",
-        ) from error
+        remedy = "Run `pip install .` in the clone that it is part of, or install the built extension."
+        raise schema.VibeError("This copy of the add-on does not carry the engine.", remedy) from error
     return [line for line in lines if line]
 
 
@@ -210,10 +208,9 @@ class EngineSetup:
             place = next(parent for parent in self.folder.absolute().parents if parent.is_dir())
             free, needed = shutil.disk_usage(place).free / 1e9, self._build.disk
             if free < needed:
-                raise schema.VibeError(
-                    f"There is not enough room on the disk: {free:.1f} GB are free, the engine takes {needed:.1f} GB.",
-                    f"Make room on the disk of {place}.",
-                )
+                room = f"{free:.1f} GB are free, the engine takes {needed:.1f} GB"
+                message = f"There is not enough room on the disk: {room}."
+                raise schema.VibeError(message, f"Make room on the disk of {place}.")
             self._run("Making a Python environment", _python(), "-m", "venv", self._part)
             self._install()
             self.text, self.fraction = "Checking", None
@@ -298,10 +295,8 @@ def _python() -> Path:
             done = subprocess.run([name, "-c", probe], capture_output=True, timeout=60, env=_environment())
             if done.returncode == 0:
                 return Path(name)
-    raise schema.VibeError(
-        "No Python on this computer can make an environment.",
-        "Install Python 3.13 with its venv module (on Debian and Ubuntu: apt install python3-venv).",
-    )
+    remedy = "Install Python 3.13 with its venv module (on Debian and Ubuntu: apt install python3-venv)."
+    raise schema.VibeError("No Python on this computer can make an environment.", remedy)
 
 
 def _environment() -> dict[str, str]:
@@ -316,10 +311,9 @@ def _failure(text: str, lines: collections.deque[str]) -> schema.VibeError:
         return schema.VibeError("There is not enough room on the disk.", "Make room, then try again.")
     if re.search(_UNREACHABLE, output):
         host = re.search(r"host='([^']+)'", output)
-        return schema.VibeError(
-            f"{host[1] if host else 'The package index'} cannot be reached.",
-            "Check the network (a proxy or firewall may have to let it through), then try again.",
-        )
+        message = f"{host[1] if host else 'The package index'} cannot be reached."
+        remedy = "Check the network (a proxy or firewall may have to let it through), then try again."
+        return schema.VibeError(message, remedy)
     errors = [line.removeprefix("ERROR: ") for line in lines if line.startswith("ERROR")]
     last = next(reversed(errors), next((line for line in reversed(lines) if line), "it said nothing"))
     remedy = _AGAIN

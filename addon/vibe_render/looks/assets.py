@@ -13,7 +13,7 @@ from typing import Any
 import bmesh
 import bpy
 import numpy as np
-from bpy.types import ID, Material, Scene
+from bpy.types import ID, Material
 from mathutils import Matrix, Vector
 
 from ..core import compat, rendered
@@ -70,44 +70,37 @@ def add_catalogs(place: Path, paths: Iterable[str]) -> None:
 
 def _material_balls(materials: Sequence[Material]) -> list[np.ndarray]:
     """Small Cycles renders of a ball, one with each material, as `bake.read_file` returns them."""
-    kinds = {"SCENE", "OBJECT", "MESH", "LIGHT", "CAMERA", "WORLD", "MATERIAL"}  # those that the stage adds
+    kinds = {"SCENE", "OBJECT", "MESH", "LIGHT", "CAMERA", "WORLD", "MATERIAL"}  # those that this adds
     before = set(bpy.data.user_map(key_types=kinds))
     try:
-        scene, ball = _ball_stage()
+        # A ball under two area lights and a gray world, on a transparent background.
+        scene = bpy.data.scenes.new("Vibe Preview")
+        scene.render.resolution_x = scene.render.resolution_y = thumbnail.SIZE
+        scene.render.film_transparent = True
+        scene.view_settings.view_transform = "Standard"
+        mesh = bpy.data.meshes.new("Vibe Preview")
+        shape = bmesh.new()
+        shape.loops.layers.uv.new()
+        bmesh.ops.create_uvsphere(shape, u_segments=64, v_segments=32, radius=1.0, calc_uvs=True)
+        shape.to_mesh(mesh)
+        shape.free()
+        mesh.shade_smooth()
+        mesh.materials.append(None)
+        scene.collection.objects.link(bpy.data.objects.new("Vibe Preview", mesh))
+        corners, middle = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * 0.62, np.zeros(3)
+        framing_camera(scene, corners, (0.0, 12.0), fov=30.0, fill=0.92)
+        area_light(scene, "Vibe Preview", (-45.0, 40.0), 4.0, 2.0, 0.9, middle)
+        area_light(scene, "Vibe Preview", (140.0, 30.0), 4.0, 1.5, 0.8, middle)
+        plain_world(scene, (0.5, 0.5, 0.5), strength=0.35)
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             pictures, path = [], Path(folder) / "ball.png"
             for material in materials:
-                ball.data.materials[0] = material
+                mesh.materials[0] = material
                 final_render.render_picture(scene, path, thumbnail.SIZE, _BALL_SAMPLES)
                 pictures.append(bake.read_file(path))
             return pictures
     finally:
         bpy.data.batch_remove(set(bpy.data.user_map(key_types=kinds)) - before)
-
-
-def _ball_stage() -> tuple[Scene, bpy.types.Object]:
-    """A scene with a ball under two area lights and a gray world, on a transparent background; and the ball."""
-    scene = bpy.data.scenes.new("Vibe Preview")
-    scene.render.resolution_x = scene.render.resolution_y = thumbnail.SIZE
-    scene.render.film_transparent = True
-    scene.view_settings.view_transform = "Standard"
-    mesh = bpy.data.meshes.new("Vibe Preview")
-    shape = bmesh.new()
-    shape.loops.layers.uv.new()
-    bmesh.ops.create_uvsphere(shape, u_segments=64, v_segments=32, radius=1.0, calc_uvs=True)
-    shape.to_mesh(mesh)
-    shape.free()
-    mesh.shade_smooth()
-    mesh.materials.append(None)
-    ball = bpy.data.objects.new("Vibe Preview", mesh)
-    scene.collection.objects.link(ball)
-    middle = np.zeros(3)
-    framing_camera(scene, np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * 0.62,
-                       (0.0, 12.0), fov=30.0, fill=0.92)  # fmt: skip
-    area_light(scene, "Vibe Preview", (-45.0, 40.0), 4.0, 2.0, 0.9, middle)
-    area_light(scene, "Vibe Preview", (140.0, 30.0), 4.0, 1.5, 0.8, middle)
-    plain_world(scene, (0.5, 0.5, 0.5), strength=0.35)
-    return scene, ball
 
 
 @dataclass

@@ -31,18 +31,10 @@ class Look:
     """A preset in the library. If its file cannot be read, `preset` is None, and `problem` is the reason."""
 
     path: Path
-    preset: preset.Preset | None
+    name: str  # in lists: its title, or else the file's name
+    preset: preset.Preset | None = None
+    prompt: str = ""  # that the preset was made with; "" if there is none
     problem: str = ""
-
-    @property
-    def name(self) -> str:
-        """The preset's name in lists: its title, or else the file's name."""
-        return (self.preset and self.preset.name) or self.path.stem
-
-    @property
-    def prompt(self) -> str:
-        """The prompt that the preset was made with; "" if there is none."""
-        return self.preset.prompt if self.preset else ""
 
     @property
     def shipped(self) -> bool:
@@ -53,11 +45,6 @@ class Look:
     def picture(self) -> Path:
         """The path of the preset's image, which may not exist."""
         return self.path.with_suffix(thumbnail.SUFFIX)
-
-    def matches(self, words: str) -> bool:
-        """True if name or prompt contains each of the words, also as a part of a word. Case is ignored."""
-        text = f"{self.name} {self.prompt}".casefold()
-        return all(word in text for word in words.casefold().split())
 
 
 def preset_folder(create: bool = False) -> Path:
@@ -71,12 +58,13 @@ def preset_folder(create: bool = False) -> Path:
 
 
 def all_looks(words: str = "") -> list[Look]:
-    """The artist's own presets by name, then the shipped ones; only those that match words (see `Look.matches`)."""
-    all_looks: list[Look] = []
+    """The artist's own presets by name, then the shipped ones; only those whose name or prompt contains each word."""
+    looks: list[Look] = []
     for place in (preset_folder(), SHIPPED):
         theirs = [_read(path, *_stamp(path)) for path in place.glob("[!.]*.json")]
-        all_looks += sorted(theirs, key=lambda look: (look.name.casefold(), look.path.name))
-    return [look for look in all_looks if look.matches(words)]
+        looks += sorted(theirs, key=lambda look: (look.name.casefold(), look.path.name))
+    parts = words.casefold().split()
+    return [look for look in looks if all(part in f"{look.name} {look.prompt}".casefold() for part in parts)]
 
 
 def preset_named(preset_: str) -> preset.Preset:
@@ -167,9 +155,10 @@ def _stamp(path: Path) -> tuple[int, int]:
 @lru_cache(maxsize=1000)  # panels ask many times a second
 def _read(path: Path, _time: int, _size: int) -> Look:
     try:
-        return Look(path, transfer.load_preset(path))
+        found = transfer.load_preset(path)
+        return Look(path, found.name or path.stem, found, found.prompt)
     except schema.VibeError as error:
-        return Look(path, None, str(error))
+        return Look(path, path.stem, problem=str(error))
 
 
 def save_preset(look: preset.Preset, picture: Path | None = None, instead: Path | None = None) -> Look:

@@ -50,11 +50,7 @@ def load_preset(path: Path) -> preset.Preset:
 
 
 def extract_look(
-    prompt: str,
-    scene: SceneParameters,
-    values: Mapping[str, Sequence[float]],
-    name: str = "",
-    goals: dict[str, Any] | None = None,
+    prompt: str, scene: SceneParameters, values: Mapping[str, Sequence[float]], name: str = "", goals: Any = None
 ) -> preset.Preset:
     """A preset of the look that a vibe gave a scene: the values that it has changed, by key, and its goals.
 

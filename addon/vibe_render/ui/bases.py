@@ -80,15 +80,18 @@ class IdlePanel:
 class Operator(bpy.types.Operator):
     """An operator whose tooltip gives the reason if it is grayed out, and which reports a failure in one line.
 
-    Its `bl_idname` follows from the name of its class: "vibe.revert" for VIBE_OT_revert.
+    Its `bl_idname` follows from the name of its class: "vibe.revert" for VIBE_OT_revert. The arguments of a class are its
+    `bl_label` and, if they are not those of its base class, its `bl_options`.
     """
 
     severity = "INFO"  # of the closing message
     idle = False  # grayed out while a vibe runs, with a wait cursor while it works
 
-    def __init_subclass__(cls) -> None:
+    def __init_subclass__(cls, label: str = "", options: set[str] | None = None) -> None:
         super().__init_subclass__()
-        cls.bl_idname = cls.__name__.lower().replace("_ot_", ".")
+        cls.bl_idname, cls.bl_label = cls.__name__.lower().replace("_ot_", "."), label
+        if options is not None:
+            cls.bl_options = options
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -126,10 +129,8 @@ class Operator(bpy.types.Operator):
         raise NotImplementedError
 
 
-class ResultOperator(Operator):
+class ResultOperator(Operator, options={"UNDO"}):
     """An operator on the result that the scene has."""
-
-    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:

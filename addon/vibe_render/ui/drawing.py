@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 import re
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import bpy
@@ -26,6 +26,7 @@ GROUP_ICONS = {
 _PLACES = {"VIEW_3D": "UI", "PREFERENCES": "WINDOW"}
 """Type of each area that has panels of Vibe Render -> the type of their region."""
 _GAP = 6  # pixels between two images in one icon
+_CAPTIONS = ("Before", "After, as predicted")
 
 _Version = tuple[tuple[Path, int], ...]
 _slots: dict[tuple[bool, tuple[Path, ...]] | str, tuple[_Version, bpy.utils.previews.ImagePreviewCollection]] = {}
@@ -63,10 +64,9 @@ def columns(context: bpy.types.Context) -> int:
 
 def duration(seconds: float) -> str:
     """Seconds in words: "40 s", "12 min", "3 h"."""
-    for size, unit in ((3600, "h"), (60, "min")):
-        if seconds >= 1.5 * size:
-            return f"{seconds / size:.0f} {unit}"
-    return f"{max(seconds, 1):.0f} s"
+    if seconds >= 5400:
+        return f"{seconds / 3600:.0f} h"
+    return f"{seconds / 60:.0f} min" if seconds >= 90 else f"{max(seconds, 1):.0f} s"
 
 
 def size(count: float) -> str:
@@ -88,10 +88,7 @@ def redraw() -> None:
 
 
 def begin(timer: Callable[[], float | None], after: float, persistent: bool = False) -> None:
-    """Registers a timer function, unless it is registered already.
-
-    Blender calls it after so many seconds, and again after as many as it returns, until it returns None.
-    """
+    """Registers a timer function, unless it is; called again after the seconds that it returns, until it returns None."""
     _timers.add(timer)
     if not bpy.app.timers.is_registered(timer):
         bpy.app.timers.register(timer, first_interval=after, persistent=persistent)
@@ -113,10 +110,7 @@ def look_icon(look: Look) -> int:
 
 
 def icon(*pictures: Path | None, square: bool = False) -> int:
-    """The icon number of image files, which are loaded again if one has changed; 0 if none exists.
-
-    Several images become one icon: wide ones are stacked, others stand in a row. `square` crops it to a square.
-    """
+    """The icon number of image files, joined (wide ones one above the other) or cropped to a `square`; 0 for none."""
     there = tuple(p for p in pictures if p is not None and p.is_file())
     if not there:
         return 0
@@ -125,13 +119,20 @@ def icon(*pictures: Path | None, square: bool = False) -> int:
     shown, collection = _slots.get(slot, (None, None))
     if collection is None:
         collection = bpy.utils.previews.new()
-    if version != shown:
+    if version != shown:  # one of the files is new or has changed
         collection.clear()
         parts = [collection.load(str(path), str(path), "IMAGE") for path in there]
         for part in parts:
             part.image_size[:]  # reads the file now; else a job would read it, and the panel would flicker
         if len(parts) > 1 or square:
-            whole = _composed([_pixels(part) for part in parts])
+            pictures = [_pixels(part) for part in parts]
+            # All get the size of the largest: the first images of a search are smaller than the later ones.
+            height, width = max((picture.shape for picture in pictures), key=math.prod)
+            wide = width >= height
+            gap = np.zeros((_GAP, width) if wide else (height, _GAP), np.int32)
+            ordered = pictures[::-1] if wide else pictures  # row 0 is at the bottom
+            pieces = [piece for picture in ordered for piece in (resized(picture, height, width), gap)][:-1]
+            whole = np.concatenate(pieces, axis=0 if wide else 1)
             if square:
                 side = min(whole.shape)
                 bottom, left = ((count - side) // 2 for count in whole.shape)
@@ -148,7 +149,7 @@ def before_after(
     before: Path | None,
     after: Path | None,
     scale: float,
-    captions: tuple[str, str] = ("Before", "After, as predicted"),
+    captions: Sequence[str] = _CAPTIONS,
 ) -> None:
     """Draws those of two images that exist as one icon, with their captions."""
     pairs = zip((before, after), captions, strict=True)
@@ -206,21 +207,8 @@ def _pixels(part: bpy.types.ImagePreview) -> np.ndarray:
     return pixels.reshape(height, width)
 
 
-def _composed(parts: list[np.ndarray]) -> np.ndarray:
-    """Several images, as from `_pixels`, resized to the largest and joined, with the first at the top or the left."""
-    height, width = max((part.shape for part in parts), key=math.prod)
-    wide = width >= height
-    gap = np.zeros((_GAP, width) if wide else (height, _GAP), np.int32)
-    ordered = parts[::-1] if wide else parts  # row 0 is at the bottom
-    pieces = [piece for part in ordered for piece in (resized(part, height, width), gap)][:-1]
-    return np.concatenate(pieces, axis=0 if wide else 1)
-
-
 def resized(pixels: np.ndarray, height: int, width: int) -> np.ndarray:
-    """Pixels (H, W) int32, each four 8-bit channels, resized bilinearly to (height, width).
-
-    The panel shows the first images of a search, which are smaller, at the size of the later ones.
-    """
+    """Pixels (H, W) int32, each four 8-bit channels, resized bilinearly to (height, width)."""
     channels = pixels.view(np.uint8).reshape(*pixels.shape, 4).astype(np.float32)
     for axis, count in enumerate((height, width)):
         place = np.linspace(0.0, channels.shape[axis] - 1.0, count)

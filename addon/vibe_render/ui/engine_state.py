@@ -33,20 +33,12 @@ class EngineState:
         self.setup: EngineSetup | None = None  # that is going on
         self.outcome, self.succeeded = "", True  # of the last test or setup, in words for the preferences
         self._choice: str | None = None
-        self._search_work: Future[Path] | None = None
-        self._test_work: Future[str] | None = None
+        self.search_work: Future[Path] | None = None  # as long as the engine is looked for
+        self.test_work: Future[str] | None = None  # as long as it is tested
 
     @property
     def busy(self) -> bool:
-        return self.searching or self.testing or self.setting_up
-
-    @property
-    def searching(self) -> bool:
-        return self._search_work is not None
-
-    @property
-    def testing(self) -> bool:
-        return self._test_work is not None
+        return bool(self.search_work or self.test_work or self.setting_up)
 
     @property
     def setting_up(self) -> bool:
@@ -54,16 +46,16 @@ class EngineState:
 
     def search(self, choice: str, again: bool = False) -> None:
         """Looks for the engine in the background; does so only once for a choice, unless `again`."""
-        if self.searching or (choice == self._choice and not again):
+        if self.search_work or (choice == self._choice and not again):
             return
         self._choice, self.python, self.problem = choice, None, None
-        self._search_work = background.begin(lambda: find_python(choice))
+        self.search_work = background.begin(lambda: find_python(choice))
         drawing.begin(self._timer, _TICK, persistent=True)
 
     def test(self, choice: str) -> None:
         """Starts an engine in the background to see whether it answers; the result is the `outcome`."""
-        if not self.testing:
-            self._test_work = background.begin(lambda: version(choice))
+        if not self.test_work:
+            self.test_work = background.begin(lambda: version(choice))
             drawing.begin(self._timer, _TICK, persistent=True)
 
     def set_up(self, build: TorchBuild) -> None:
@@ -80,12 +72,12 @@ class EngineState:
 
     def tick(self) -> float | None:
         """Timer function: takes results of background work; returns the seconds to the next call, None for none."""
-        if self._search_work and self._search_work.done():
-            search, self._search_work = self._search_work, None
-            self.python, self.problem = _answer_of(search)
-        if self._test_work and self._test_work.done():
-            test, self._test_work = self._test_work, None
-            answer, problem = _answer_of(test)
+        if self.search_work and self.search_work.done():
+            self.python, self.problem = _answer_of(self.search_work)
+            self.search_work = None
+        if self.test_work and self.test_work.done():
+            answer, problem = _answer_of(self.test_work)
+            self.test_work = None
             self.outcome, self.succeeded = str(problem or f"Engine {answer} answers"), problem is None
         if self.setup and not self.setup.running:
             setup, self.setup = self.setup, None

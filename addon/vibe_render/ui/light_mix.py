@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import bpy
 from bpy.props import FloatProperty, FloatVectorProperty
 
@@ -95,8 +93,6 @@ def colors(scene: bpy.types.Scene) -> dict[str, Color]:
 class MixPanel(bases.IdlePanel):
     """The image of the mix, a slider and a color for each light, and what writes them into the scene."""
 
-    bl_label = "Light Mix"
-
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
         shown = _shown(context.scene)
@@ -124,11 +120,8 @@ class MixPanel(bases.IdlePanel):
         row.operator("vibe.mix_reset", text="", icon="LOOP_BACK")
 
 
-class VIBE_OT_mix_render(bases.IdleOperator):
+class VIBE_OT_mix_render(bases.IdleOperator, label="Render Lights", options={"UNDO"}):
     """Render a small image with Cycles, each light in a layer of its own. Your light groups stay as they are"""
-
-    bl_label = "Render Lights"
-    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -157,9 +150,7 @@ class VIBE_OT_mix_render(bases.IdleOperator):
         return f"{len(scene.vibe.mix)} light layers"
 
 
-class _Mixed(bases.IdleOperator):
-    bl_options: ClassVar[set[str]] = {"UNDO"}
-
+class _Mixed(bases.IdleOperator, options={"UNDO"}):
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
         if _shown(context.scene) is None:
@@ -167,10 +158,8 @@ class _Mixed(bases.IdleOperator):
         return bases.untouchable(context) or ("" if moved(context.scene) else "Move a slider first")
 
 
-class VIBE_OT_mix_apply(_Mixed):
+class VIBE_OT_mix_apply(_Mixed, label="Apply"):
     """Write the mix into power and color of lights, world and emitting materials, as a step that Revert takes back"""
-
-    bl_label = "Apply"
 
     def perform(self, context: bpy.types.Context) -> str:
         """Writes the factors since the render, notes them in `applied`, and resets the sliders."""
@@ -188,10 +177,8 @@ class VIBE_OT_mix_apply(_Mixed):
         return next(left, "The mix is in the scene")
 
 
-class VIBE_OT_mix_nodes(_Mixed):
+class VIBE_OT_mix_nodes(_Mixed, label="Compositor"):
     """Write the mix as nodes of the compositor, which work on every later render. Revert removes them"""
-
-    bl_label = "Compositor"
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -204,11 +191,8 @@ class VIBE_OT_mix_nodes(_Mixed):
         return "The mix is in the compositor"
 
 
-class VIBE_OT_mix_reset(_Mixed):
+class VIBE_OT_mix_reset(_Mixed, label="Reset", options={"UNDO", "INTERNAL"}):
     """Move all sliders back"""
-
-    bl_label = "Reset"
-    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     def perform(self, context: bpy.types.Context) -> str:
         for channel in context.scene.vibe.mix:

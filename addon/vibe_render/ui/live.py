@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 import bpy
 
@@ -69,11 +69,8 @@ def draw_words(layout: bpy.types.UILayout, context: bpy.types.Context, words: Ma
         drawing.paragraph(layout, context, "No word is missing so far", "HIDE_OFF")
 
 
-class VIBE_OT_entered(bases.Operator):
+class VIBE_OT_entered(bases.Operator, label="Vibe It from the Prompt", options={"INTERNAL"}):
     """Begin the search for the words that were typed"""
-
-    bl_label = "Vibe It from the Prompt"
-    bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -84,11 +81,8 @@ class VIBE_OT_entered(bases.Operator):
         return {"FINISHED"}
 
 
-class VIBE_OT_escaped(bases.Operator):
+class VIBE_OT_escaped(bases.Operator, label="Take the Look Away", options={"INTERNAL"}):
     """Take the look of what was typed out of the scene"""
-
-    bl_label = "Take the Look Away"
-    bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

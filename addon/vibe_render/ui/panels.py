@@ -18,8 +18,6 @@ from .engine_state import engine_state
 class MainPanel:
     """Prompt and button; progress while a vibe runs; its failure."""
 
-    bl_label = "Vibe Render"
-
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
         if addon_state.running and addon_state.session:  # text instead of grayed-out fields
@@ -58,9 +56,9 @@ class MainPanel:
             drawing.paragraph(layout, context, reason, "INFO", faint=True)
 
 
-def _panel(name: str, base: type, parent: str = "") -> type:
+def _panel(name: str, label: str, base: type, parent: str = "") -> type:
     """The class of a panel of the tab, which `base` draws; inside the panel `parent`, if one is named."""
-    names = {"bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Vibe"}
+    names = {"bl_label": label, "bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Vibe"}
     names |= {"__module__": __name__, "__doc__": base.__doc__ or ""}
     names |= {"bl_parent_id": f"VIBE_PT_{parent}"} if parent else {}
     return type(f"VIBE_PT_{name}", (base, bpy.types.Panel), names)
@@ -78,13 +76,13 @@ def _classes(*modules: ModuleType) -> list[type]:
 
 CLASSES = [
     *_classes(setup, light_mix, properties, scope, run, live, words, picture, result, steps, presets),
-    _panel("main", MainPanel),
-    _panel("result", result.ResultPanel),
-    _panel("mix", light_mix.MixPanel),
-    _panel("presets", presets.PresetsPanel),
-    _panel("scope", scope.ScopePanel),
-    _panel("values", scope.ValuesPanel, "scope"),
-    _panel("advanced", scope.AdvancedPanel),
+    _panel("main", "Vibe Render", MainPanel),
+    _panel("result", "Result", result.ResultPanel),
+    _panel("mix", "Light Mix", light_mix.MixPanel),
+    _panel("presets", "Presets", presets.PresetsPanel),
+    _panel("scope", "Affect", scope.ScopePanel),
+    _panel("values", "Individual Locks", scope.ValuesPanel, "scope"),
+    _panel("advanced", "Advanced", scope.AdvancedPanel),
 ]
 """The classes to register, in order; it is also the order of the panels from top to bottom."""
 

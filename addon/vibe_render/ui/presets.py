@@ -65,8 +65,6 @@ class VIBE_MT_presets(bpy.types.Menu):
 class PresetsPanel(IdlePanel):
     """The chosen preset, and the button that shows all of them."""
 
-    bl_label = "Presets"
-
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         self.layout.menu("VIBE_MT_presets", text="", icon="COLLAPSEMENU")  # type: ignore[attr-defined]
 
@@ -177,11 +175,8 @@ class _NameDialog:
         layout.prop(self, "name")
 
 
-class VIBE_OT_preset_choose(Operator):
+class VIBE_OT_preset_choose(Operator, label="Choose Preset", options={"INTERNAL"}):
     """Choose this preset"""
-
-    bl_label = "Choose Preset"
-    bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
     path: StringProperty()
 
@@ -197,11 +192,8 @@ class VIBE_OT_preset_choose(Operator):
         context.window_manager.vibe_presets.chosen = self.path
 
 
-class VIBE_OT_preset_apply(_PresetOperator):
+class VIBE_OT_preset_apply(_PresetOperator, label="Apply", options={"UNDO"}):
     """Give the scene this look. Strength, Before, Keep and Revert work as after a vibe"""
-
-    bl_label = "Apply"
-    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -219,10 +211,8 @@ class VIBE_OT_preset_apply(_PresetOperator):
         return f"{look.name} is in the scene{left if rest else ''}"
 
 
-class VIBE_OT_preset_save(_NameDialog, _LookOperator):
+class VIBE_OT_preset_save(_NameDialog, _LookOperator, label="Save Preset"):
     """Save the look that the scene has now as a preset, with a picture of it"""
-
-    bl_label = "Save Preset"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         settings = context.scene.vibe
@@ -244,10 +234,8 @@ class VIBE_OT_preset_save(_NameDialog, _LookOperator):
         return f"Saved as {saved.name}"
 
 
-class VIBE_OT_preset_rename(_NameDialog, _OwnPresetOperator):
+class VIBE_OT_preset_rename(_NameDialog, _OwnPresetOperator, label="Rename Preset"):
     """Give this preset another name"""
-
-    bl_label = "Rename Preset"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         self.name = self.look(context).name
@@ -259,16 +247,12 @@ class VIBE_OT_preset_rename(_NameDialog, _OwnPresetOperator):
         return f"Renamed to {renamed.name}"
 
 
-class VIBE_OT_preset_delete(_OwnPresetOperator):
+class VIBE_OT_preset_delete(_OwnPresetOperator, label="Delete Preset"):
     """Delete this preset and its picture"""
 
-    bl_label = "Delete Preset"
-
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        message = f"{self.look(context).name} will be gone for good."
-        return context.window_manager.invoke_confirm(
-            self, event, title="Delete Preset", message=message, confirm_text="Delete", icon="WARNING"
-        )
+        confirm, message = context.window_manager.invoke_confirm, f"{self.look(context).name} will be gone for good."
+        return confirm(self, event, title="Delete Preset", message=message, confirm_text="Delete", icon="WARNING")
 
     def perform(self, context: bpy.types.Context) -> str:
         look = self.look(context)
@@ -294,10 +278,8 @@ class _ExportDialog(_FileDialog, ExportHelper):
         return ExportHelper.invoke(self, context, event)
 
 
-class VIBE_OT_preset_import(IdleOperator, _FileDialog, ImportHelper):
+class VIBE_OT_preset_import(IdleOperator, _FileDialog, ImportHelper, label="Import Presets"):
     """Copy preset files into your presets. Nothing in them is ever run"""
-
-    bl_label = "Import Presets"
 
     filename_ext = ".json"
     filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
@@ -327,10 +309,8 @@ class VIBE_OT_preset_import(IdleOperator, _FileDialog, ImportHelper):
         return f"{summary}. {bad}" if wrong else summary
 
 
-class VIBE_OT_preset_export(_PresetOperator, _ExportDialog):
+class VIBE_OT_preset_export(_PresetOperator, _ExportDialog, label="Export Preset"):
     """Save this preset and its picture as files, to pass on"""
-
-    bl_label = "Export Preset"
 
     filename_ext = ".json"
     filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
@@ -343,10 +323,8 @@ class VIBE_OT_preset_export(_PresetOperator, _ExportDialog):
         return f"Written: {self.filepath}"
 
 
-class VIBE_OT_export_assets(_LookOperator, _ExportDialog):
+class VIBE_OT_export_assets(_LookOperator, _ExportDialog, label="Export as Assets"):
     """Save materials, world, lights and grade of the look that the scene has now, for the Asset Browser"""
-
-    bl_label = "Export as Assets"
 
     filename_ext = ".blend"
     filter_glob: StringProperty(default="*.blend", options={"HIDDEN"})
@@ -371,10 +349,8 @@ class VIBE_OT_export_assets(_LookOperator, _ExportDialog):
         return f"{len(written)} assets are in {self.filepath}"
 
 
-class VIBE_OT_export_lut(IdleOperator, _ExportDialog):
+class VIBE_OT_export_lut(IdleOperator, _ExportDialog, label="Export LUT"):
     """Save the scene's color grade as a .cube file for other programs: sRGB in, sRGB out"""
-
-    bl_label = "Export LUT"
 
     filename_ext = ".cube"
     filter_glob: StringProperty(default="*.cube", options={"HIDDEN"})

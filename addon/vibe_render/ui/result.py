@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import bpy
 from bpy.props import IntProperty, StringProperty
@@ -36,8 +36,6 @@ _FRAMES = 12  # most checked frames that are listed
 
 class ResultPanel:
     """The last vibe: its images, and at once below them Keep and Revert; then what refines and explains it."""
-
-    bl_label = "Result"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -209,10 +207,9 @@ def _draw_changes(layout: bpy.types.UILayout, context: bpy.types.Context, same: 
         row.operator("vibe.why", text=text, emboss=False).key = same[-1].name
 
 
-class VIBE_OT_revert(ResultOperator):
+class VIBE_OT_revert(ResultOperator, label="Revert"):
     """Restore the scene exactly as it was before the first vibe"""
 
-    bl_label = "Revert"
     severity = "WARNING"
 
     def perform(self, context: bpy.types.Context) -> str:
@@ -226,10 +223,8 @@ class VIBE_OT_revert(ResultOperator):
         return f"{len(lost)} values could not be restored: {lost[0]}" if lost else ""
 
 
-class VIBE_OT_keep(ResultOperator):
+class VIBE_OT_keep(ResultOperator, label="Keep"):
     """Make the result final. Revert and Save Preset are no longer possible"""
-
-    bl_label = "Keep"
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -243,10 +238,8 @@ class VIBE_OT_keep(ResultOperator):
         return "The values are yours now. Undo takes that back"
 
 
-class VIBE_OT_keyframe(ResultOperator):
+class VIBE_OT_keyframe(ResultOperator, label="Keyframe"):
     """Keyframe all values of the result at the current frame. Values go from one keyframed look to the next in even steps"""
-
-    bl_label = "Keyframe"
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -261,11 +254,8 @@ class VIBE_OT_keyframe(ResultOperator):
         return f"The look is keyframed at frame {context.scene.frame_current}"
 
 
-class VIBE_OT_variant(ResultOperator):
+class VIBE_OT_variant(ResultOperator, label="Variant", options={"UNDO", "INTERNAL"}):
     """Use this variant in place of the other"""
-
-    bl_label = "Variant"
-    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     number: IntProperty(min=0)
 
@@ -276,11 +266,8 @@ class VIBE_OT_variant(ResultOperator):
         result.choose(scene, self.number, session.variants[self.number][0], session.subject(scene))
 
 
-class VIBE_OT_why(Operator):
+class VIBE_OT_why(Operator, label="Why", options={"INTERNAL"}):
     """Why this value changed"""
-
-    bl_label = "Why"
-    bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
     key: StringProperty()
 
@@ -295,11 +282,8 @@ class VIBE_OT_why(Operator):
         return {"CANCELLED"}
 
 
-class VIBE_OT_check_sequence(run.Vibing):
+class VIBE_OT_check_sequence(run.Vibing, label="Check Sequence", options=set()):
     """Measure the words at frames of the scene, from its first to its last. Nothing in the scene changes"""
-
-    bl_label = "Check Sequence"
-    bl_options: ClassVar[set[str]] = set()
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import contextlib
 import time
-from typing import ClassVar
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty
@@ -22,11 +21,9 @@ _TICK = 0.02  # seconds between two steps of the session
 _REDRAW = 0.1  # seconds after which the panels are drawn again though the stage is the same
 
 
-class Vibing(bases.Operator):
+# A vibe leaves one undo step. No REGISTER: "Adjust Last Operation" would do it all again.
+class Vibing(bases.Operator, options={"UNDO"}):
     """An operator that runs a vibe: in the background from its button, in one call from a script."""
-
-    # A vibe leaves one undo step. No REGISTER: "Adjust Last Operation" would do it all again.
-    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if done := self._start(context, ask=True):
@@ -119,10 +116,8 @@ class Vibing(bases.Operator):
         drawing.redraw()
 
 
-class VIBE_OT_run(Vibing):
+class VIBE_OT_run(Vibing, label="Vibe It"):
     """Change the scene's materials, lights, fog and grading until it looks like the words"""
-
-    bl_label = "Vibe It"
 
     again: BoolProperty(name="Retry", description="The same words once more, with another seed", options={"SKIP_SAVE"})
 
@@ -162,10 +157,8 @@ class _Running(bases.Operator):
         return "" if addon_state.running else "No vibe is running"
 
 
-class VIBE_OT_stop(bases.Operator):
+class VIBE_OT_stop(bases.Operator, label="Stop"):
     """Stop now, and use the best look so far"""
-
-    bl_label = "Stop"
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -178,20 +171,15 @@ class VIBE_OT_stop(bases.Operator):
             addon_state.session.stop()
 
 
-class VIBE_OT_cancel(_Running):
+class VIBE_OT_cancel(_Running, label="Cancel"):
     """Stop now, and leave the scene as it was"""
-
-    bl_label = "Cancel"
 
     def perform(self, context: bpy.types.Context) -> None:
         addon_state.cancel()
 
 
-class VIBE_OT_answer(_Running):
+class VIBE_OT_answer(_Running, label="Answer", options={"INTERNAL"}):
     """Answer, for this scene's other vibes too"""
-
-    bl_label = "Answer"
-    bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
     shared: EnumProperty(items=SHARED)
 
@@ -205,11 +193,8 @@ class VIBE_OT_answer(_Running):
             addon_state.session.answer(self.shared)
 
 
-class VIBE_OT_dismiss(bases.Operator):
+class VIBE_OT_dismiss(bases.Operator, label="Dismiss", options={"INTERNAL"}):
     """Close this message"""
-
-    bl_label = "Dismiss"
-    bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
     def perform(self, context: bpy.types.Context) -> None:
         addon_state.forget()

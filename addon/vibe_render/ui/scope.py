@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 import bpy
 from bpy.props import CollectionProperty, IntProperty, StringProperty
@@ -18,8 +18,6 @@ _listed: tuple = ()  # fingerprint of the scene that the list shows, or that a t
 
 class ScopePanel(IdlePanel):
     """The groups that may change, and the subject."""
-
-    bl_label = "Affect"
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
@@ -38,8 +36,6 @@ class ScopePanel(IdlePanel):
 
 class ValuesPanel(IdlePanel):
     """Every single value of the scene, with a lock."""
-
-    bl_label = "Individual Locks"
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         if count := len(context.scene.vibe.locks):
@@ -127,11 +123,8 @@ def draw_lock(layout: bpy.types.UILayout, settings: Any, key: str, reason: str =
     button.key, button.reason = key, reason
 
 
-class VIBE_OT_lock(Operator):
+class VIBE_OT_lock(Operator, label="Lock", options={"UNDO", "INTERNAL"}):
     """Lock a value, or unlock it"""
-
-    bl_label = "Lock"
-    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     key: StringProperty()
     reason: StringProperty()
@@ -153,11 +146,8 @@ class VIBE_OT_lock(Operator):
             locks.add().name = self.key
 
 
-class VIBE_OT_unlock_all(Operator):
+class VIBE_OT_unlock_all(Operator, label="Unlock All", options={"UNDO"}):
     """Unlock all values that are locked one by one"""
-
-    bl_label = "Unlock All"
-    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -169,8 +159,6 @@ class VIBE_OT_unlock_all(Operator):
 
 class AdvancedPanel(IdlePanel):
     """Numbers that few need."""
-
-    bl_label = "Advanced"
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]

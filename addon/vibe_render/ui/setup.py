@@ -68,7 +68,7 @@ class VibePreferences(_Options, bpy.types.AddonPreferences):  # type: ignore[mis
             row.operator("vibe.test_engine")
             row.operator("vibe.look_for_engine", text="", icon="FILE_REFRESH")
             row.operator("vibe.remove_engine", text="", icon="TRASH")
-        if engine_state.outcome and not engine_state.testing:
+        if engine_state.outcome and not engine_state.test_work:
             icon = "CHECKMARK" if engine_state.succeeded else "ERROR"
             letters = int(drawing.columns(context) * 0.55)
             drawing.paragraph(about, context, engine_state.outcome, icon, letters=letters)
@@ -104,9 +104,9 @@ def _draw_engine_line(layout: bpy.types.UILayout) -> None:
         row = layout.row(align=True)
         row.progress(factor=setup.fraction or 0.0, text=setup.text)
         row.operator("vibe.cancel_setup", text="", icon="X")
-    elif engine_state.testing:
+    elif engine_state.test_work:
         layout.label(text="Starting the engine to see whether it answers…", icon="TIME")
-    elif engine_state.searching:
+    elif engine_state.search_work:
         layout.label(text="Looking for the engine…", icon="TIME")
     elif engine_state.python:
         folder, home = engine_state.python.parent.parent, Path.home()
@@ -167,10 +167,8 @@ def _draw_engine_buttons(layout: bpy.types.UILayout) -> None:
     row.operator("preferences.addon_show", text="Preferences", icon="PREFERENCES").module = ADDON
 
 
-class VIBE_OT_setup_engine(Operator):
+class VIBE_OT_setup_engine(Operator, label="Set Up Engine"):
     """Download the engine once, into the extension's own folder: Python packages. What they are and how large is said first"""
-
-    bl_label = "Set Up Engine"
 
     build: EnumProperty(
         name="Runs On",
@@ -187,9 +185,8 @@ class VIBE_OT_setup_engine(Operator):
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Says what will be downloaded, and lets the artist choose; nothing is downloaded before that."""
-        return context.window_manager.invoke_props_dialog(
-            self, width=_DIALOG_WIDTH, title="Set Up Engine", confirm_text="Download"
-        )
+        dialog = context.window_manager.invoke_props_dialog
+        return dialog(self, width=_DIALOG_WIDTH, title="Set Up Engine", confirm_text="Download")
 
     def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column()
@@ -206,10 +203,8 @@ class VIBE_OT_setup_engine(Operator):
             raise
 
 
-class VIBE_OT_remove_engine(IdleOperator):
+class VIBE_OT_remove_engine(IdleOperator, label="Remove Engine"):
     """Delete the engine that Set Up Engine has downloaded. Presets and settings stay"""
-
-    bl_label = "Remove Engine"
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -218,10 +213,8 @@ class VIBE_OT_remove_engine(IdleOperator):
         return "" if setup_folder().is_dir() else "Set Up Engine has downloaded none"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        message = f"{cache_size(setup_folder())} in {setup_folder()}"
-        return context.window_manager.invoke_confirm(
-            self, event, title="Remove Engine", message=message, confirm_text="Remove", icon="WARNING"
-        )
+        confirm, message = context.window_manager.invoke_confirm, f"{cache_size(setup_folder())} in {setup_folder()}"
+        return confirm(self, event, title="Remove Engine", message=message, confirm_text="Remove", icon="WARNING")
 
     def perform(self, context: bpy.types.Context) -> str:
         addon_state.close()
@@ -233,29 +226,23 @@ class VIBE_OT_remove_engine(IdleOperator):
         return "The engine is removed"
 
 
-class VIBE_OT_cancel_setup(Operator):
+class VIBE_OT_cancel_setup(Operator, label="Cancel"):
     """Stop setting up the engine, and remove what has been installed of it"""
-
-    bl_label = "Cancel"
 
     def perform(self, context: bpy.types.Context) -> None:
         if engine_state.setup:
             engine_state.setup.cancel()
 
 
-class VIBE_OT_look_for_engine(Operator):
+class VIBE_OT_look_for_engine(Operator, label="Look Again"):
     """Look for the engine once more"""
-
-    bl_label = "Look Again"
 
     def perform(self, context: bpy.types.Context) -> None:
         engine_state.search(engine_choice(context), again=True)
 
 
-class VIBE_OT_test_engine(Operator):
+class VIBE_OT_test_engine(Operator, label="Test Engine"):
     """Start the engine once and see whether it answers"""
-
-    bl_label = "Test Engine"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Tests in the background; the result is shown under the button."""
@@ -267,10 +254,8 @@ class VIBE_OT_test_engine(Operator):
         return f"Engine {version(engine_choice(context))} answers"
 
 
-class VIBE_OT_clear_cache(Operator):
+class VIBE_OT_clear_cache(Operator, label="Clear"):
     """Delete what the engine keeps; it is made again when it is needed"""
-
-    bl_label = "Clear"
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:

@@ -6,8 +6,7 @@ from __future__ import annotations
 import contextlib
 import json
 import re
-from collections.abc import Iterable, Sequence
-from typing import ClassVar
+from collections.abc import Sequence
 
 import bpy
 from bpy.props import StringProperty
@@ -54,36 +53,21 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         drawing.paragraph(layout, context, readings.note, "INFO", faint=True)
     column = layout.column(align=True)
     column.scale_y = 0.9
-    for line in _lines(readings.words, drawing.columns(context)):
-        row = column.row(align=True)
-        row.alignment = "LEFT"
-        for word in line:
-            place = row.row(align=True)
-            place.alignment, place.active = "LEFT", word.state != "left out"
-            icon = _STATE_ICONS[word.state]
-            button = place.operator("vibe.reading", text=word.text, icon=icon, emboss=False)
-            button.key, button.state, button.meaning = word.key, word.state, word.meaning
-
-
-def _lines(words: Iterable[messages.WordReading], width: int) -> list[list[messages.WordReading]]:
-    """Words, broken into lines of at most `width` characters; each line has at least one word."""
-    lines: list[list[messages.WordReading]] = []
-    left = 0  # characters that still fit into the last line
-    for word in words:
+    left = 0  # characters that still fit into the line
+    for word in readings.words:
         needed = len(word.text) + _MARGIN + (0 if word.state == "understood" else _ICON)
         if needed > left:
-            lines.append([])
-            left = width
-        lines[-1].append(word)
+            row, left = column.row(align=True), drawing.columns(context)
+            row.alignment = "LEFT"
         left -= needed
-    return lines
+        place = row.row(align=True)
+        place.alignment, place.active = "LEFT", word.state != "left out"
+        button = place.operator("vibe.reading", text=word.text, icon=_STATE_ICONS[word.state], emboss=False)
+        button.key, button.state, button.meaning = word.key, word.state, word.meaning
 
 
-class VIBE_OT_reading(Operator):
+class VIBE_OT_reading(Operator, label="Reading of a Word", options={"INTERNAL"}):
     """Show how this word is understood, and what it could be taken for instead"""
-
-    bl_label = "Reading of a Word"
-    bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
     key: StringProperty(description="What a target calls the word")
     state: StringProperty()
@@ -155,11 +139,8 @@ def _icon(scene: bpy.types.Scene, name: str) -> str:
     return "LIGHT" if obj.type == "LIGHT" else "OBJECT_DATA"
 
 
-class VIBE_OT_describe(Operator):
+class VIBE_OT_describe(Operator, label="Describes", options={"UNDO", "INTERNAL"}):
     """Say what this word describes, where it is taken for something else"""
-
-    bl_label = "Describes"
-    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     word: StringProperty(description="What a target calls the word")
     target: StringProperty(description="Empty: as the word is read")
@@ -168,11 +149,8 @@ class VIBE_OT_describe(Operator):
         context.scene.vibe.set_target(self.word, self.target)
 
 
-class VIBE_OT_reword(Operator):
+class VIBE_OT_reword(Operator, label="Another Word", options={"UNDO", "INTERNAL"}):
     """Put another word in the place of this one"""
-
-    bl_label = "Another Word"
-    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     word: StringProperty()
     other: StringProperty()
@@ -201,8 +179,10 @@ def remember(prompt: str, pairs: Sequence[str] = ()) -> None:
     """Stores a prompt and its targets as the newest, and drops the oldest; ignores a file that cannot be written."""
     kept = {prompt: [*pairs]} | {text: each for text, each in history().items() if text != prompt}
     rows = [{"prompt": text, "targets": each} for text, each in kept.items()][:_MOST]
-    with contextlib.suppress(OSError, schema.VibeError), whole(own_folder("", create=True) / _NAME) as part:
-        part.write_text(json.dumps(rows, ensure_ascii=False, indent=1), encoding="utf-8")
+    with contextlib.suppress(OSError, schema.VibeError):
+        own_folder("").mkdir(parents=True, exist_ok=True)
+        with whole(own_folder("") / _NAME) as part:
+            part.write_text(json.dumps(rows, ensure_ascii=False, indent=1), encoding="utf-8")
 
 
 class VIBE_MT_history(bpy.types.Menu):
@@ -222,11 +202,8 @@ class VIBE_MT_history(bpy.types.Menu):
             layout.label(text="Nothing yet")
 
 
-class VIBE_OT_recall(Operator):
+class VIBE_OT_recall(Operator, label="Recall", options={"UNDO", "INTERNAL"}):
     """Put these words into the prompt"""
-
-    bl_label = "Recall"
-    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     prompt: StringProperty()
 
@@ -244,10 +221,8 @@ class VIBE_OT_recall(Operator):
                 settings.set_target(word, target)
 
 
-class VIBE_OT_clear_history(Operator):
+class VIBE_OT_clear_history(Operator, label="Clear History"):
     """Forget the prompts that were typed"""
-
-    bl_label = "Clear History"
 
     def perform(self, context: bpy.types.Context) -> None:
         with contextlib.suppress(OSError):
