@@ -134,13 +134,13 @@ def preferences(screen, engine_state):
     screen.observed["tested"] = engine_state.outcome
     yield from screen.click_on("vibe.setup_engine", 361, (0.5, 0.45))
     yield 1.0
-    screen.observed["offline_sets_up_nothing"] = not engine_state.setting_up
+    screen.observed["offline_sets_up_nothing"] = not engine_state.setup
     screen.shoot("set_up_offline")
     bpy.context.preferences.system.use_online_access = True
     yield from screen.click_on("vibe.setup_engine", 361, (0.5, 0.45))
     yield 1.0
     screen.shoot("set_up_asks_first")
-    screen.observed["asks_before_it_downloads"] = not engine_state.setting_up
+    screen.observed["asks_before_it_downloads"] = not engine_state.setup
     screen.press("Escape")
     yield 1.0
-    screen.observed["esc_sets_up_nothing"] = not engine_state.setting_up
+    screen.observed["esc_sets_up_nothing"] = not engine_state.setup

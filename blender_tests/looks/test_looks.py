@@ -21,7 +21,7 @@ ROWS = tomllib.loads(make_looks.PROMPTS.read_text(encoding="utf-8"))["look"]
 @pytest.fixture(autouse=True)
 def own(tmp_path, monkeypatch):
     """The artist has no presets of their own."""
-    monkeypatch.setattr(library, "preset_folder", lambda create=False: tmp_path)
+    monkeypatch.setattr(library, "preset_folder", lambda: tmp_path)
 
 
 @pytest.fixture

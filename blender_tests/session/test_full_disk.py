@@ -34,7 +34,7 @@ def disk(tmp_path):
 def test_presets(disk, monkeypatch, tmp_path, left):
     """With one page left, the preset has room, and its picture does not."""
     mine, wide = replace(NOIR, name="Mine"), wide_picture(tmp_path)
-    monkeypatch.setattr(library, "preset_folder", lambda create=False: disk.folder)
+    monkeypatch.setattr(library, "preset_folder", lambda: disk.folder)
     library.save_preset(mine, wide)
     there = disk.files()
     disk.fill(left)

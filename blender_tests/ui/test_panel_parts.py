@@ -145,8 +145,8 @@ def test_properties_of_options_come_from_the_table(addon, monkeypatch):
     """A made-up option has one; those of the panel and of the preferences have their titles, bounds and defaults."""
     sparkle = Option("sparkle", 3, "how much", "effort", bounds=(1, 9), panel=Panel("Sparkle", "How much", (1, 5)))
     monkeypatch.setattr(options, "TABLE", (*options.TABLE, sparkle))
-    extended = declare("Extended", preferences=False)
-    sparkling = type("VibeSparkling", (extended, bpy.types.PropertyGroup), {})
+    extended = {"__annotations__": declare(preferences=False)}
+    sparkling = type("VibeSparkling", (bpy.types.PropertyGroup,), extended)
     bpy.utils.register_class(sparkling)
     try:
         found = sparkling.bl_rna.properties["sparkle"]

@@ -7,8 +7,7 @@ import numpy as np
 
 Color = tuple[float, float, float]
 
-LUMA = (0.2126, 0.7152, 0.0722)
-"""Weights of linear red, green and blue (Rec.709)."""
+LUMA = (0.2126, 0.7152, 0.0722)  # weights of linear red, green and blue (Rec.709)
 
 
 def to_linear(encoded: np.ndarray) -> np.ndarray:

@@ -13,12 +13,9 @@ from bpy.types import ID, Node, NodeSocket, NodeTree, Scene
 from .journal import Journal, resolve
 
 COMPOSITOR_IS_GROUP = "compositing_node_group" in Scene.bl_rna.properties  # 5.0 and later
-RELATIVE_PATHS = (  # option of a path property: the path may begin with "//"; Blender 5.0 and later need it
-    {"PATH_SUPPORTS_BLEND_RELATIVE"}
-    if "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties
-    else set()
-)
-
+# Option of a path property: the path may begin with "//"; Blender 5.0 and later need it.
+_OPTIONS = bpy.types.Property.bl_rna.properties
+RELATIVE_PATHS = {"PATH_SUPPORTS_BLEND_RELATIVE"} if "is_path_supports_blend_relative" in _OPTIONS else set()
 IS_MODULE = not bpy.app.binary_path  # Blender is a Python module (bpy); `app.module` tells it since 4.5
 EEVEE = "BLENDER_EEVEE" if COMPOSITOR_IS_GROUP else "BLENDER_EEVEE_NEXT"  # the identifier of the engine
 

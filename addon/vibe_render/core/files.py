@@ -42,10 +42,7 @@ def unwritable(path: Path, error: Exception, remedy: str) -> schema.VibeError:
 
 
 class Outputs:
-    """New files in an existing folder, all moved into place when the block ends, or deleted if it raises.
-
-    Every method raises a VibeError if a file cannot be written.
-    """
+    """New files in an existing folder, all moved into place when the block ends, or deleted if it raises."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder

@@ -11,13 +11,11 @@ import bpy
 from bpy.types import ID, FCurve, Node, NodeSocket, NodeTree, bpy_struct
 
 JournalEntry = dict[str, Any]
-KEYFRAMES = "Vibe Render"
-"""Name of the group in an action that holds Vibe Render's curves; the other curves are the artist's."""
-HELD = "vibe_held"
-"""Custom property of an action: the `held_name` of each of the artist's curves that Vibe Render has muted."""
+KEYFRAMES = "Vibe Render"  # the group of Vibe Render's curves in an action; the others are the artist's
+HELD = "vibe_held"  # custom property of an action: `held_name` of each curve of the artist that Vibe Render has muted
 Keys = list[list[float]]  # a row for each keyframe: its value, and the values of its left and right handle
+# Errors that Blender raises when the artist has removed or changed what an entry refers to.
 _GONE = (LookupError, ValueError, AttributeError, ReferenceError)
-"""Errors that Blender raises when the artist has removed or changed what an entry refers to."""
 
 
 @dataclass
@@ -186,7 +184,12 @@ class Journal:
             mark_held(curve, False)
             set_keys(curve, entry["keys"])
         elif op == "action":
-            _drop_action(owner, entry)
+            bag, data = _channelbag(owner), owner.animation_data
+            if bag is not None and not bag.fcurves:  # else there are curves of the artist
+                data.action = None
+                data.last_slot_identifier = entry["slot"]
+                if not (entry["had"] or data.drivers or data.nla_tracks):
+                    owner.animation_data_clear()
         elif op == "set":
             old = entry["old"]
             setattr(owner, entry["name"], self.ids[old["id"]] if isinstance(old, dict) else old)
@@ -304,17 +307,6 @@ def set_keys(curve: FCurve, keys: Keys) -> None:
     for point, (value, left, right) in zip(curve.keyframe_points, keys, strict=True):
         point.co.y, point.handle_left.y, point.handle_right.y = value, left, right
     curve.update()
-
-
-def _drop_action(block: ID, entry: JournalEntry) -> None:
-    """Unlinks a data-block from the action that `curve` made, unless curves of the artist are in it."""
-    bag, data = _channelbag(block), block.animation_data
-    if bag is None or bag.fcurves:
-        return
-    data.action = None
-    data.last_slot_identifier = entry["slot"]
-    if not (entry["had"] or data.drivers or data.nla_tracks):
-        block.animation_data_clear()
 
 
 def _end(socket: NodeSocket) -> list[str]:

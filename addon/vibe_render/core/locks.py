@@ -49,11 +49,10 @@ def of_pose(obj: Object) -> str:
         return f'"{obj.name}" is constrained'
     if any(obj.delta_location) or any(obj.delta_rotation_euler):
         return f'"{obj.name}" has delta transforms'
-    rotation = {"QUATERNION": "rotation_quaternion", "AXIS_ANGLE": "rotation_axis_angle"}
-    names = ("location", rotation.get(obj.rotation_mode, "rotation_euler"))
     if any(any(getattr(obj, f"lock_{part}")) for part in ("location", "rotation")):
         return f'"{obj.name}" has locked transforms'
-    return next(filter(None, (of_property(obj, name) for name in names)), "")
+    rotation = {"QUATERNION": "rotation_quaternion", "AXIS_ANGLE": "rotation_axis_angle"}
+    return of_property(obj, "location") or of_property(obj, rotation.get(obj.rotation_mode, "rotation_euler"))
 
 
 def of_socket(socket: NodeSocket, source: NodeSocket | None, inside: Sequence[Node] = ()) -> str:

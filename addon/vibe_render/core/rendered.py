@@ -16,11 +16,9 @@ from mathutils import Matrix, Vector
 
 from . import compat
 
-MARK = "vibe_owned"
-"""The custom property by which Vibe Render knows what it has added."""
+MARK = "vibe_owned"  # the custom property by which Vibe Render knows what it has added
 GEOMETRY = {"MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES", "POINTCLOUD"}
-FILM = "film"
-"""Stands for the film among kinds of rays: a holdout is hidden from it."""
+FILM = "film"  # stands for the film among kinds of rays: a holdout is hidden from it
 _RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
 _LIT = ("diffuse", "glossy", "transmission")
 
@@ -225,11 +223,10 @@ def world_users(block: World) -> int:
 
 def image_notes(scene: Scene) -> list[str]:
     """Notes for the artist on settings of the whole image that the prediction leaves out."""
-    view, render, cycles, of = scene.view_settings, scene.render, scene.cycles, layer(scene)
+    view, render, cycles = scene.view_settings, scene.render, scene.cycles
     culls = render.use_simplify and (cycles.use_camera_cull or cycles.use_distance_cull)
     strips = render.use_sequencer and getattr(scene.sequence_editor, "strips", ())
-    materials = of.material_override
-    in_place = f'The view layer "{of.name}" shows "{materials.name if materials else ""}" in place of all materials'
+    in_place = override_lock(scene).replace("the", "The", 1)
     settings = {
         "The view transform's curves are left out of the prediction.": view.use_curve_mapping,
         "Motion blur is left out of the prediction.": render.use_motion_blur,
@@ -238,7 +235,7 @@ def image_notes(scene: Scene) -> list[str]:
         "Stereo is left out: the picture is what the camera itself sees.": render.use_multiview,
         "The sequencer's strips are left out: the picture is the scene's own render.": strips,
         "Culling by Simplify is left out: the prediction shows culled objects too.": culls,
-        f"{in_place}: words about materials cannot be visible. Remove the material override, or ask for light only.": materials,
+        f"{in_place}: words about materials cannot be visible. Remove the material override, or ask for light only.": in_place,
     }
     return [note for note, used in settings.items() if used]
 

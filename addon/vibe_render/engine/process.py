@@ -23,6 +23,7 @@ _ABANDON_TIMEOUT = 10.0  # seconds that an engine may take to end a vibe that wa
 _REQUESTS = messages.Vibe | messages.Glance | messages.Finish | messages.Check
 _ANSWERS = (messages.Result, messages.Glanced, messages.Finished, messages.Checked, messages.Error)
 
+_Listener: TypeAlias = Callable[[messages.Message], None]
 _Item: TypeAlias = messages.Message | schema.VibeError | None  # None: the engine's output has ended
 
 
@@ -32,9 +33,7 @@ class Engine:
     Methods raise a VibeError if it is not found, cannot be started, has another schema, reports an error or has ended.
     """
 
-    def __init__(
-        self, python: str = "", cache: Path | None = None, listener: Callable[[messages.Message], None] | None = None
-    ) -> None:
+    def __init__(self, python: str = "", cache: Path | None = None, listener: _Listener | None = None) -> None:
         self._choice = python
         self._listener = listener  # a thread calls it with every stage and progress message, also while Blender is busy
         self._variables = {"VIBE_CACHE": str(cache)} if cache else {}  # else the user's usual folder

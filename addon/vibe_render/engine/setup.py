@@ -23,12 +23,8 @@ from ..core.schema_import import schema
 
 _ADDON = Path(__file__).resolve().parents[1]
 ENVIRONMENT_VARIABLE = "VIBE_ENGINE"
-BUILT_FROM = _ADDON / "engine.txt"
-"""File with the path of the Python that built the extension; valid only on the computer of the build."""
-
-CARRIED = _ADDON / "carried"
-"""Folder with the engine's code in a built extension; the environment then has only the packages that the code needs."""
-
+BUILT_FROM = _ADDON / "engine.txt"  # the path of the Python that built the extension, for the computer of the build
+CARRIED = _ADDON / "carried"  # the engine's code in a built extension; the environment has only the packages it needs
 _CLONE = _ADDON.parents[1]
 _NEEDED = ("torch", "open_clip", "trimesh", "PyOpenColorIO", "proxy_renderer")
 _PROBE = f"import sys, importlib.util as u; sys.exit(not all(map(u.find_spec, {_NEEDED})))"
@@ -47,10 +43,7 @@ _AGAIN = (
 
 
 def find_python(chosen: str = "") -> Path:
-    """The Python that has the engine; raises VibeError if there is none.
-
-    `chosen` is a Python, or the folder of its environment; VIBE_ENGINE overrides it. "" searches the usual places.
-    """
+    """The Python that has the engine: the one in `chosen`, if that is not ""; raises VibeError if there is none."""
     chosen = os.environ.get(ENVIRONMENT_VARIABLE, "") or chosen
     if chosen:
         python = python_of(Path(chosen).expanduser())
@@ -119,8 +112,7 @@ class TorchBuild:
 
 CPU = TorchBuild("Processor", "https://download.pytorch.org/whl/cpu", 0.3, 1.1)
 CUDA = TorchBuild("NVIDIA Card", "", 2.5, 5.8)
-USUAL = TorchBuild("Usual", "", 0.3, 1.1)
-"""The only build for Windows and macOS: the Python Package Index has no CUDA libraries for them."""
+USUAL = TorchBuild("Usual", "", 0.3, 1.1)  # for Windows and macOS, for which PyPI has no CUDA libraries
 
 
 def choices() -> dict[str, TorchBuild]:
@@ -179,16 +171,8 @@ class EngineSetup:
         self._process: subprocess.Popen[str] | None = None
         self._canceled = False
         atexit.register(self.cancel)
-        self._work: Future[None] = background.begin(self._make)
-
-    @property
-    def running(self) -> bool:
-        """True while the environment is being made."""
-        return not self._work.done()
-
-    def finish(self) -> None:
-        """Waits for the end; raises VibeError if the environment could not be made or `cancel` was called."""
-        self._work.result()
+        # Its result raises VibeError if the environment could not be made, or if `cancel` was called.
+        self.work: Future[None] = background.begin(self._make)
 
     def cancel(self) -> None:
         """Ends the setup; what it has installed is deleted soon after."""

@@ -27,8 +27,7 @@ from . import thumbnail
 
 CATALOG_FILE = "blender_assets.cats.txt"
 _VERSION = "VERSION 1"
-_SPACE = uuid.UUID("5b1f2a86-6f0c-4f6e-9a43-2f5d8b0c7e11")
-"""The UUID namespace of Vibe Render's catalogs: a catalog path has the same id in every library."""
+_SPACE = uuid.UUID("5b1f2a86-6f0c-4f6e-9a43-2f5d8b0c7e11")  # a catalog path has the same id in every library
 _BALL_SAMPLES = 48
 _TOP = "Vibe Render"
 
@@ -60,10 +59,9 @@ def add_catalogs(place: Path, paths: Iterable[str]) -> None:
         present = {line.partition(":")[0] for line in lines}
         rows = [f"{catalog_identifier(path)}:{path}:{path.replace('/', '-')}" for path in paths]
         missing = [row for row in rows if row.partition(":")[0] not in present]
-        if not missing:
-            return
-        with whole(file) as part:
-            part.write_text(text.rstrip("\n") + "\n" + "\n".join(missing) + "\n", encoding="utf-8")
+        if missing:
+            with whole(file) as part:
+                part.write_text(text.rstrip("\n") + "\n" + "\n".join(missing) + "\n", encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise schema.VibeError(f"{file} cannot be changed: {error}.", "Choose another folder.") from error
 
@@ -115,8 +113,7 @@ class _Crate:
         """Names a copy after the look, and lists it in `copies`, which are removed after the export."""
         self.copies.append(block)
         block.name = f"{self.name} {name}"
-        if owned.MARK in block:  # an asset in another file is the artist's, not Vibe Render's
-            del block[owned.MARK]
+        block.pop(owned.MARK, None)  # an asset in another file is the artist's, not Vibe Render's
         return block
 
     def mark(self, block: ID, catalog: str, words: str) -> None:

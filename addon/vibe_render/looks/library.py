@@ -20,9 +20,7 @@ from ..core.files import whole
 from ..core.schema_import import preset, schema
 from . import thumbnail, transfer
 
-SHIPPED = Path(__file__).parent / "shipped"
-"""The folder of the presets that come with Vibe Render."""
-
+SHIPPED = Path(__file__).parent / "shipped"  # the folder of the presets that come with Vibe Render
 _LARGEST_PICTURE = 4_000_000  # bytes; shipped images have about 5000
 
 
@@ -47,14 +45,10 @@ class Look:
         return self.path.with_suffix(thumbnail.SUFFIX)
 
 
-def preset_folder(create: bool = False) -> Path:
-    """The folder of the artist's own presets; `create` makes it if it is missing."""
+def preset_folder() -> Path:
+    """The folder of the artist's own presets, which may not exist."""
     # It is among Blender's presets, because uninstalling deletes the extension's own folder.
-    folder = Path(bpy.utils.user_resource("SCRIPTS", path="presets/vibe_render"))
-    if create:
-        with contextlib.suppress(OSError):  # writing a file there reports the reason
-            folder.mkdir(parents=True, exist_ok=True)
-    return folder
+    return Path(bpy.utils.user_resource("SCRIPTS", path="presets/vibe_render"))
 
 
 def all_looks(words: str = "") -> list[Look]:
@@ -163,7 +157,9 @@ def _read(path: Path, _time: int, _size: int) -> Look:
 
 def save_preset(look: preset.Preset, picture: Path | None = None, instead: Path | None = None) -> Look:
     """Adds a preset and its JPEG to the artist's own; a name that a preset has, except the file `instead`, gets a number."""
-    place = preset_folder(create=True)
+    place = preset_folder()
+    with contextlib.suppress(OSError):  # writing a file there reports the reason
+        place.mkdir(parents=True, exist_ok=True)
     path, number, name = path_for(place, look.name), 1, look.name
     while (SHIPPED / path.name).exists() or not (path == instead or _claimed(path)):
         number += 1

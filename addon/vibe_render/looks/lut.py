@@ -32,17 +32,15 @@ def neutral_grade() -> dict[str, tuple[float, ...]]:
 
 
 def graded_colors(colors: np.ndarray, values: Mapping[str, Sequence[float]], below_black: bool = False) -> np.ndarray:
-    """Applies the grade to colors (N, 3), scene-linear Rec.709, at least 0; `below_black` keeps negative results.
-
-    `values` are those of the grade by name ("contrast", …), in the schema's units; missing ones are neutral.
-    """
+    """Colors (N, 3), scene-linear Rec.709, at least 0, graded by `values` of the schema's; missing ones are neutral."""
     v = {name: np.array(values.get(name, neutral)) for name, neutral in neutral_grade().items()}
     c = colors * 2.0 ** v["grade_exposure"]
     c = np.maximum(((c - 1.0) * (2.0 - v["lift"]) + 1.0) * v["gain"], 0.0) ** (1.0 / v["midtone"])
     c = _MIDDLE * (c / _MIDDLE) ** v["contrast"]
     luma = (c @ LUMA)[:, None]
     c = luma + (c - luma) * v["saturation"]
-    if below_black and v["hue"] == 0.0 and v["grade_gamma"] == 1.0:  # hue and gamma need values of at least 0
+    # Saturation may give negative values; hue and gamma need values of at least 0.
+    if below_black and v["hue"] == 0.0 and v["grade_gamma"] == 1.0:
         return c
     return _turned(np.maximum(c, 0.0), v["hue"] / 60.0) ** v["grade_gamma"]
 

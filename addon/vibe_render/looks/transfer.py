@@ -7,7 +7,6 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import bpy
 import numpy as np
@@ -25,14 +24,13 @@ from ..scene.nodes import grade, owned
 from ..scene.subject import SubjectChoice, remember_subject
 from . import lut
 
-SceneParameters = SceneJob | reading.SceneReading
-"""An exported scene, or one that was only read: both have parameters by key (`instances`) and an analysis."""
+SceneParameters = SceneJob | reading.SceneReading  # both have parameters by key (`instances`) and an analysis
 
 _TEXTURE_LUMA = 0.5  # luma of a typical texture: a color divided by it tints the texture to about that color
 _DIM = 0.01  # radiance of a white surface in its light, below which a light is not added
 _PROMINENT = 0.5  # share of the visible area of the subject's largest material; see `fit_look`
+# Color that a texture may replace -> the parameter that tints the texture.
 _TINTS = {"base_color": "tint", "color": "tint", "backdrop_color": "backdrop_tint"}
-"""Color that a texture may replace -> the parameter that tints the texture."""
 _UNNOTED = {"distance", "backdrop_horizon"}  # suns have no distance, images their own horizon: no line
 
 
@@ -50,12 +48,13 @@ def load_preset(path: Path) -> preset.Preset:
 
 
 def extract_look(
-    prompt: str, scene: SceneParameters, values: Mapping[str, Sequence[float]], name: str = "", goals: Any = None
+    prompt: str,
+    scene: SceneParameters,
+    values: Mapping[str, Sequence[float]],
+    name: str = "",
+    goals: dict | None = None,
 ) -> preset.Preset:
-    """A preset of the look that a vibe gave a scene: the values that it has changed, by key, and its goals.
-
-    `name` is the preset's title; "" for the prompt's first words.
-    """
+    """A preset, titled `name`, of the look that a vibe gave a scene: the values that it has changed, by key, and its goals."""
     roles: dict[str, list[preset.Entry]] = {}
     kinds: dict[str, list[str]] = {}
     for role, group in preset.ROLES.items():
@@ -167,17 +166,14 @@ def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entr
     if "power" not in entry or ours in bpy.data.objects:
         if entry:
             result.rest.append(f"{_words(role)}: this scene has none")
-        return
-    if schema.radiometry.radiance(prepare.LIGHT_TYPE, entry["power"][0]) < _DIM:
-        return
-    corners = scene_context.bounds(target.analysis.scene, target.analysis.objects)
-    distance = prepare.added_light_distance(*corners)
-    lengths = scene_context.light_lengths(distance)
-    for name, value in entry.items():
-        parameter = schema.FAMILIES[f"light/{name}"]
-        reference = lengths.get(parameter.reference, 1.0)
-        turn = camera_azimuth(target) if name == "azimuth" else 0.0
-        result.values[parameter.key(ours)] = [v * reference + turn for v in value]
+    elif schema.radiometry.radiance(prepare.LIGHT_TYPE, entry["power"][0]) >= _DIM:
+        corners = scene_context.bounds(target.analysis.scene, target.analysis.objects)
+        lengths = scene_context.light_lengths(prepare.added_light_distance(*corners))
+        for name, value in entry.items():
+            parameter = schema.FAMILIES[f"light/{name}"]
+            reference = lengths.get(parameter.reference, 1.0)
+            turn = camera_azimuth(target) if name == "azimuth" else 0.0
+            result.values[parameter.key(ours)] = [v * reference + turn for v in value]
 
 
 def _for_light(entry: preset.Entry, made_on: str, kind: str) -> preset.Entry:

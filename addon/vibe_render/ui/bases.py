@@ -12,45 +12,12 @@ import bpy
 from ..core import files
 from ..core.rendered import GEOMETRY
 from ..core.schema_import import schema
-from ..render import reference
 from ..run.state import addon_state
-from ..scene import snapshot, subject
+from ..scene import snapshot
 from . import drawing
-from .engine_state import engine_state
 
 RUNNING = "A vibe is running"
 HELD = "Your own keyframes are set aside. Keep moves them with the look"
-
-
-def obstacle(context: bpy.types.Context) -> str:
-    """The reason why a vibe cannot start now; "" if it can."""
-    scene = context.scene
-    if addon_state.running:
-        return RUNNING
-    if reason := untouchable(context) or reference.picture_obstacle(scene.vibe):
-        return reason
-    if not scene.vibe.prompt.strip() and not reference.picture_name(scene.vibe):
-        return "Describe a mood first"
-    if not has_mesh(scene):
-        return "The scene has no mesh"
-    if not scene.vibe.groups():
-        return "All groups are locked. Unlock at least one under Affect"
-    if scene.vibe.subject == "COLLECTION" and not scene.vibe.collection:
-        return "Choose the subject's collection"
-    if scene.vibe.subject == "SELECTED" and not (context.selected_objects or subject.recall_subject(scene)):
-        return "Select the subject"
-    if engine_state.problem:
-        return "Set up the engine first"
-    return ""
-
-
-def result_obstacle(context: bpy.types.Context) -> str:
-    """The reason why the result cannot be kept, reverted or changed now; "" if it can."""
-    if addon_state.running:
-        return RUNNING
-    if not snapshot.exists(context.scene):
-        return "This scene has no result"
-    return untouchable(context)
 
 
 def untouchable(context: bpy.types.Context) -> str:
@@ -134,7 +101,9 @@ class ResultOperator(Operator, options={"UNDO"}):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        return result_obstacle(context)
+        if addon_state.running:
+            return RUNNING
+        return untouchable(context) if snapshot.exists(context.scene) else "This scene has no result"
 
 
 class IdleOperator(Operator):

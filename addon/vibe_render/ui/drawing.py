@@ -23,17 +23,14 @@ GROUP_ICONS = {
     "volume": "OUTLINER_OB_VOLUME",
     "film": "COLOR",
 }
-_PLACES = {"VIEW_3D": "UI", "PREFERENCES": "WINDOW"}
-"""Type of each area that has panels of Vibe Render -> the type of their region."""
+_PLACES = {"VIEW_3D": "UI", "PREFERENCES": "WINDOW"}  # areas that have panels of Vibe Render -> their regions
 _GAP = 6  # pixels between two images in one icon
 _CAPTIONS = ("Before", "After, as predicted")
 
 _Version = tuple[tuple[Path, int], ...]
+# (Cropped to a square or not, image files), or a color -> (their versions, their icon): the icons that are in use.
 _slots: dict[tuple[bool, tuple[Path, ...]] | str, tuple[_Version, bpy.utils.previews.ImagePreviewCollection]] = {}
-"""(Cropped to a square or not, image files), or a color -> (their versions, their icon): the icons that are in use."""
-
 _timers: set[Callable[[], float | None]] = set()
-
 HEX_COLOR = re.compile(r"(#[0-9a-f]{6})")
 
 
@@ -125,13 +122,13 @@ def icon(*pictures: Path | None, square: bool = False) -> int:
         for part in parts:
             part.image_size[:]  # reads the file now; else a job would read it, and the panel would flicker
         if len(parts) > 1 or square:
-            pictures = [_pixels(part) for part in parts]
+            images = [_pixels(part) for part in parts]
             # All get the size of the largest: the first images of a search are smaller than the later ones.
-            height, width = max((picture.shape for picture in pictures), key=math.prod)
+            height, width = max((image.shape for image in images), key=math.prod)
             wide = width >= height
             gap = np.zeros((_GAP, width) if wide else (height, _GAP), np.int32)
-            ordered = pictures[::-1] if wide else pictures  # row 0 is at the bottom
-            pieces = [piece for picture in ordered for piece in (resized(picture, height, width), gap)][:-1]
+            ordered = images[::-1] if wide else images  # row 0 is at the bottom
+            pieces = [piece for image in ordered for piece in (resized(image, height, width), gap)][:-1]
             whole = np.concatenate(pieces, axis=0 if wide else 1)
             if square:
                 side = min(whole.shape)

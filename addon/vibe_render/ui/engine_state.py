@@ -36,14 +36,6 @@ class EngineState:
         self.search_work: Future[Path] | None = None  # as long as the engine is looked for
         self.test_work: Future[str] | None = None  # as long as it is tested
 
-    @property
-    def busy(self) -> bool:
-        return bool(self.search_work or self.test_work or self.setting_up)
-
-    @property
-    def setting_up(self) -> bool:
-        return self.setup is not None and self.setup.running
-
     def search(self, choice: str, again: bool = False) -> None:
         """Looks for the engine in the background; does so only once for a choice, unless `again`."""
         if self.search_work or (choice == self._choice and not again):
@@ -60,7 +52,7 @@ class EngineState:
 
     def set_up(self, build: TorchBuild) -> None:
         """Makes an environment for the engine, with this build of torch, in the background; raises as `requirements`."""
-        if not self.setting_up:
+        if not self.setup:
             self.setup = EngineSetup(setup_folder(), requirements(), build)
             drawing.begin(self._timer, _TICK, persistent=True)
 
@@ -79,10 +71,10 @@ class EngineState:
             answer, problem = _answer_of(self.test_work)
             self.test_work = None
             self.outcome, self.succeeded = str(problem or f"Engine {answer} answers"), problem is None
-        if self.setup and not self.setup.running:
+        if self.setup and self.setup.work.done():
             setup, self.setup = self.setup, None
             try:
-                setup.finish()
+                setup.work.result()
                 self.outcome, self.succeeded = "The engine is set up", True
                 if chosen := preferences.get(bpy.context):
                     chosen.engine = str(setup.folder)
@@ -90,7 +82,7 @@ class EngineState:
             except schema.VibeError as error:
                 self.outcome, self.succeeded = str(error), False
         drawing.redraw()
-        return _TICK if self.busy else None
+        return _TICK if self.search_work or self.test_work or self.setup else None
 
 
 def setup_folder() -> Path:

@@ -11,7 +11,7 @@ from bpy.app.handlers import persistent
 from ..core import preferences
 from ..run import preview
 from ..run.state import addon_state
-from . import bases, drawing, light_mix, live, picture, presets, properties, result, run, scope, setup, steps, words
+from . import drawing, light_mix, live, picture, presets, properties, result, run, scope, setup, steps, words
 from .engine_state import engine_state
 
 
@@ -30,7 +30,6 @@ class MainPanel:
         field.scale_y = 1.3
         field.prop(settings, "prompt", text="", placeholder="misty, cool blue fog, vignette")
         field.menu("VIBE_MT_history", text="", icon="RECOVER_LAST")
-        words.keep_up(context)
         words.draw(column, context)
         if addon_state.live and addon_state.live.scene == context.scene.name:
             live.draw(column, context, addon_state.live)
@@ -50,9 +49,9 @@ class MainPanel:
         button.prop(context.window_manager, "vibe_live", icon="PLAY", toggle=True)
         if addon_state.failure:
             setup.draw_failure(layout, context, addon_state.failure)
-        elif engine_state.problem or engine_state.setting_up:
+        elif engine_state.problem or engine_state.setup:
             setup.draw_no_engine(layout, context)
-        elif reason := bases.obstacle(context):
+        elif reason := run.VIBE_OT_run.obstacle(context):
             drawing.paragraph(layout, context, reason, "INFO", faint=True)
 
 
@@ -83,8 +82,7 @@ CLASSES = [
     _panel("scope", "Affect", scope.ScopePanel),
     _panel("values", "Individual Locks", scope.ValuesPanel, "scope"),
     _panel("advanced", "Advanced", scope.AdvancedPanel),
-]
-"""The classes to register, in order; it is also the order of the panels from top to bottom."""
+]  # to register, in this order, which is also that of the panels from top to bottom
 
 
 @persistent

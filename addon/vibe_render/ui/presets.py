@@ -225,7 +225,6 @@ class VIBE_OT_preset_save(_NameDialog, _LookOperator, label="Save Preset"):
         self.layout.label(text="Blender waits for a small render, its picture", icon="TIME")
 
     def perform(self, context: bpy.types.Context) -> str:
-        """Saves the preset with an image, a small render for which Blender waits."""
         scene = context.scene
         look = transfer.capture_preset(scene, scene.vibe.choice(), self.name)
         with thumbnail.rendered_thumbnail(scene) as picture:

@@ -15,15 +15,11 @@ from . import light_mix, live
 from .picture import PictureSettings
 
 
-def declare(name: str, preferences: bool) -> type:
-    """A base class, for a class that Blender registers, with a property for each option of the schema.
-
-    The options are those of the add-on's preferences, or else those of the scene. Options with choices are left out: the
-    panel declares them, with its own titles.
-    """
+def declare(preferences: bool) -> dict[str, Any]:
+    """A property for each option of the schema that is one of the add-on's preferences, or else of the scene."""
     rows = [row for row in options.TABLE if row.panel and row.panel.preferences == preferences]
-    properties = {row.name: _property(row) for row in rows if not row.choices}
-    return type(name, (), {"__annotations__": properties, "__module__": __name__})
+    # The panel declares options with choices, with its own titles.
+    return {row.name: _property(row) for row in rows if not row.choices}
 
 
 def _property(row: options.Option) -> Any:
@@ -56,10 +52,6 @@ class VibeChange(bpy.types.PropertyGroup):
         return tuple(self.before)[:count], tuple(self.after)[:count]
 
 
-class VibeLock(bpy.types.PropertyGroup):
-    """A single value that must stay. Its `name` is the parameter's key."""
-
-
 class VibeTarget(bpy.types.PropertyGroup):
     """The artist's target for a word of the prompt. Its `name` is the word."""
 
@@ -70,9 +62,8 @@ def _group_toggle(group: str) -> Any:
     words = [labels.words(p.name) for p in schema.PARAMETERS if p.group == group]
     names = ", ".join(word if word.isupper() else word.lower() for word in words)  # IOR
     framed = group == "camera"  # the artist framed the shot
-    return props.BoolProperty(
-        name=labels.GROUP_TITLES[group], description=f"A vibe may change: {names}", default=not framed
-    )
+    text = f"A vibe may change: {names}"
+    return props.BoolProperty(name=labels.GROUP_TITLES[group], description=text, default=not framed)
 
 
 def _dim(settings: "VibeSettings", context: bpy.types.Context) -> None:
@@ -83,17 +74,15 @@ def _dim(settings: "VibeSettings", context: bpy.types.Context) -> None:
         result.mix(settings.id_data)
 
 
-_Options = declare("VibeOptions", preferences=False)
-SHARED = (
+SHARED = (  # choices for materials of the subject that other objects use too
     ("ALL", "Affect All Users", "The other objects change with the subject"),
     ("SINGLE", "Make Single-User", "The subject gets copies of its own; Revert removes them"),
 )
-"""Choices for materials of the subject that other objects use too."""
 _EFFORT = options.named("effort").panel
 _AUTO = "What was chosen before; otherwise the prominent objects in view, without what they stand on or in front of"
 
 
-class VibeSettings(_Options, PictureSettings, bpy.types.PropertyGroup):  # type: ignore[misc]
+class VibeSettings(PictureSettings, bpy.types.PropertyGroup):
     """The panel's fields, and what the last vibe changed."""
 
     subject: props.EnumProperty(
@@ -119,7 +108,8 @@ class VibeSettings(_Options, PictureSettings, bpy.types.PropertyGroup):  # type:
         + [("CUSTOM", "Custom", "Your own numbers")],
         default=_EFFORT.default,
     )
-    locks: props.CollectionProperty(type=VibeLock, description="Single values that must stay")
+    # The names are keys of parameters.
+    locks: props.CollectionProperty(type=bpy.types.PropertyGroup, description="Single values that must stay")
     targets: props.CollectionProperty(
         type=VibeTarget, description="What words describe, where you have chosen something else"
     )
@@ -198,4 +188,5 @@ class VibeSettings(_Options, PictureSettings, bpy.types.PropertyGroup):  # type:
         return messages.Options.from_dict(chosen | {"online": preferences.online()})
 
 
+VibeSettings.__annotations__ |= declare(preferences=False)
 VibeSettings.__annotations__ |= {f"change_{group}": _group_toggle(group) for group in schema.GROUPS}

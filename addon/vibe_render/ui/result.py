@@ -21,16 +21,15 @@ from ..run.session import Session
 from ..run.state import addon_state
 from ..scene import keyframes, moments, own_keys, snapshot
 from . import run, steps
-from .bases import HELD, Operator, ResultOperator, result_obstacle
+from .bases import HELD, Operator, ResultOperator
 from .drawing import GROUP_ICONS, HEX_COLOR, before_after, colored, columns, icon, paragraph, see_rendered
 from .scope import draw_lock
 
-_STATES = {
+_STATES = {  # of a word's verdict -> its title and its icon
     "visible": ("Visible", "HIDE_OFF"),
     "already": ("Was so already", "DOT"),
     "unmeasured": ("Set, not measured", "DOT"),
 }
-"""State of a word's verdict -> its title and its icon."""
 _FRAMES = 12  # most checked frames that are listed
 
 
@@ -60,7 +59,7 @@ class ResultPanel:
         row.operator("vibe.keep", icon="FILE_TICK")
         row.operator("vibe.keyframe", icon="KEYFRAME")
         row.operator("vibe.revert", icon="LOOP_BACK")
-        if reason := result_obstacle(context):
+        if reason := ResultOperator.obstacle(context):
             paragraph(layout, context, reason, "INFO", faint=True)
         if own_keys.are_held(context.scene):
             paragraph(layout, context, HELD, "KEYFRAME", faint=True)
@@ -230,7 +229,7 @@ class VIBE_OT_keep(ResultOperator, label="Keep"):
     def obstacle(cls, context: bpy.types.Context) -> str:
         aside = keyframes.exist(context.scene) and not keyframes.are_shown(context.scene)
         reason = "Keyframe this look first: the keyframes of the others are set aside" if aside else ""
-        return result_obstacle(context) or reason
+        return super().obstacle(context) or reason
 
     def perform(self, context: bpy.types.Context) -> str:
         result.keep(context.scene)
@@ -245,7 +244,7 @@ class VIBE_OT_keyframe(ResultOperator, label="Keyframe"):
     def obstacle(cls, context: bpy.types.Context) -> str:
         unchanged = "" if context.scene.vibe.changes else "The result has changed nothing"
         held = HELD if own_keys.are_held(context.scene) else ""
-        return result_obstacle(context) or unchanged or held
+        return super().obstacle(context) or unchanged or held
 
     def perform(self, context: bpy.types.Context) -> str:
         if left := result.keyframe(context.scene):
@@ -288,7 +287,7 @@ class VIBE_OT_check_sequence(run.Vibing, label="Check Sequence", options=set()):
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
         session = addon_state.session
-        if reason := result_obstacle(context):
+        if reason := ResultOperator.obstacle(context):
             return reason
         if not (session and session.report and session.scene == context.scene.name):
             return "Run the vibe again first: its measures last only as long as Blender runs"

@@ -10,11 +10,14 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty
 
 from ..core.schema_import import errors, schema
+from ..render import reference
 from ..run.driver import LOOKING
 from ..run.notes import failure_note
 from ..run.session import PAUSING, SILENT, Session
 from ..run.state import addon_state
+from ..scene import subject
 from . import bases, drawing, light_mix, live, words
+from .engine_state import engine_state
 from .properties import SHARED
 
 _TICK = 0.02  # seconds between two steps of the session
@@ -129,7 +132,24 @@ class VIBE_OT_run(Vibing, label="Vibe It"):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        return bases.obstacle(context)
+        scene = context.scene
+        if addon_state.running:
+            return bases.RUNNING
+        if reason := bases.untouchable(context) or reference.picture_obstacle(scene.vibe):
+            return reason
+        if not scene.vibe.prompt.strip() and not reference.picture_name(scene.vibe):
+            return "Describe a mood first"
+        if not bases.has_mesh(scene):
+            return "The scene has no mesh"
+        if not scene.vibe.groups():
+            return "All groups are locked. Unlock at least one under Affect"
+        if scene.vibe.subject == "COLLECTION" and not scene.vibe.collection:
+            return "Choose the subject's collection"
+        if scene.vibe.subject == "SELECTED" and not (context.selected_objects or subject.recall_subject(scene)):
+            return "Select the subject"
+        if engine_state.problem:
+            return "Set up the engine first"
+        return ""
 
     def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
         settings = context.scene.vibe

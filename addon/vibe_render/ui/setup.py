@@ -6,6 +6,7 @@ from __future__ import annotations
 import shutil
 import time
 from pathlib import Path
+from typing import Any
 
 import bpy
 from bpy.props import EnumProperty, StringProperty
@@ -25,30 +26,24 @@ _EVERY = 3.0  # seconds between two measurements of the cache: Blender draws man
 
 _measured: dict[Path, tuple[float, str]] = {}  # when a folder was measured, and its size in words
 
-_Options = declare("VibeEngineOptions", preferences=True)
+
+def _folder(name: str, description: str) -> Any:
+    return StringProperty(name=name, description=description, subtype="DIR_PATH")
 
 
-class VibePreferences(_Options, bpy.types.AddonPreferences):  # type: ignore[misc]
+class VibePreferences(bpy.types.AddonPreferences):
     """The add-on's preferences, kept with Blender's own."""
 
     bl_idname = ADDON
 
-    engine: StringProperty(
-        name="Engine",
-        description="Folder of the Python environment that the engine runs in. Empty: look for it",
-        subtype="DIR_PATH",
-    )
+    engine: _folder("Engine", "Folder of the Python environment that the engine runs in. Empty: look for it")
+    cache: _folder("Cache", "Folder for what can be made again, such as a model's answers. Empty: the extension's own")
     vlm_key: StringProperty(
         name="Key",
         description="The endpoint's API key; servers on this computer need none. It is kept in Blender's "
         "preferences only. Empty: the environment variable VIBE_VLM_KEY or OPENAI_API_KEY",
         subtype="PASSWORD",
         maxlen=1024,  # long keys are cut without it
-    )
-    cache: StringProperty(
-        name="Cache",
-        description="Folder for what can be made again, such as a model's answers. Empty: the extension's own",
-        subtype="DIR_PATH",
     )
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -62,7 +57,7 @@ class VibePreferences(_Options, bpy.types.AddonPreferences):  # type: ignore[mis
         split.label()
         about = split.column()
         _draw_engine_line(about)
-        if not engine_state.setting_up:
+        if not engine_state.setup:
             row = about.row(align=True)
             row.operator("vibe.setup_engine", icon="IMPORT")
             row.operator("vibe.test_engine")
@@ -91,6 +86,9 @@ class VibePreferences(_Options, bpy.types.AddonPreferences):  # type: ignore[mis
         row.operator("vibe.clear_cache", icon="TRASH")
 
 
+VibePreferences.__annotations__ |= declare(preferences=True)
+
+
 def _section(layout: bpy.types.UILayout, title: str, icon: str) -> bpy.types.UILayout:
     box = layout.box()
     box.label(text=title, icon=icon)
@@ -99,8 +97,7 @@ def _section(layout: bpy.types.UILayout, title: str, icon: str) -> bpy.types.UIL
 
 def _draw_engine_line(layout: bpy.types.UILayout) -> None:
     """Draws a line on the engine's folder, or on the progress of its setup."""
-    setup = engine_state.setup
-    if setup and setup.running:
+    if setup := engine_state.setup:
         row = layout.row(align=True)
         row.progress(factor=setup.fraction or 0.0, text=setup.text)
         row.operator("vibe.cancel_setup", text="", icon="X")
@@ -146,7 +143,7 @@ def draw_failure(layout: bpy.types.UILayout, context: bpy.types.Context, failure
 def draw_no_engine(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """Draws a line on the missing engine and the buttons that get it, or the progress of its setup."""
     box = layout.box()
-    if engine_state.setting_up:
+    if engine_state.setup:
         _draw_engine_line(box)
         return
     drawing.paragraph(box, context, "No engine yet. Presets work without it", "INFO")
@@ -181,10 +178,9 @@ class VIBE_OT_setup_engine(Operator, label="Set Up Engine"):
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
         off = "" if preferences.online() else "Online access is off: see Preferences > System > Network"
-        return off or ("It is being set up already" if engine_state.setting_up else "")
+        return off or ("It is being set up already" if engine_state.setup else "")
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Says what will be downloaded, and lets the artist choose; nothing is downloaded before that."""
         dialog = context.window_manager.invoke_props_dialog
         return dialog(self, width=_DIALOG_WIDTH, title="Set Up Engine", confirm_text="Download")
 
@@ -208,7 +204,7 @@ class VIBE_OT_remove_engine(IdleOperator, label="Remove Engine"):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        if engine_state.setting_up:
+        if engine_state.setup:
             return "It is being set up"
         return "" if setup_folder().is_dir() else "Set Up Engine has downloaded none"
 

@@ -72,7 +72,7 @@ class VIBE_OT_further(run.Vibing, label="Go On"):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        reason = bases.result_obstacle(context)
+        reason = bases.ResultOperator.obstacle(context)
         if not reason and not context.scene.vibe.further.strip():
             reason = "Say what is to change first"
         return reason or ("Set up the engine first" if engine_state.problem else "")

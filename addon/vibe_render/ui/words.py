@@ -29,12 +29,6 @@ _MOST = 30  # prompts that are kept
 _NAME = "prompts.json"
 
 
-def keep_up(context: bpy.types.Context) -> None:
-    """Starts a timer that has new words read, if an engine runs; a panel may call this whenever it is drawn."""
-    if addon_state.engine_runs and addon_state.readings.due(context.scene, addon_state.live_job(context.scene)):
-        drawing.begin(_tick, 0.0)
-
-
 def _tick() -> float | None:
     scene, readings = bpy.context.scene, addon_state.readings
     if addon_state.running or not addon_state.engine_runs:
@@ -48,6 +42,8 @@ def _tick() -> float | None:
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """Draws the words as lines of buttons, which open a menu for each word; and a note if nothing is understood."""
+    if addon_state.engine_runs and addon_state.readings.due(context.scene, addon_state.live_job(context.scene)):
+        drawing.begin(_tick, 0.0)  # has new words read
     readings = addon_state.readings.newest
     if readings.note:
         drawing.paragraph(layout, context, readings.note, "INFO", faint=True)
@@ -97,15 +93,15 @@ class VIBE_OT_reading(Operator, label="Reading of a Word", options={"INTERNAL"})
             button = layout.operator("vibe.reword", text=f"Say “{other}” instead")
             button.word, button.other = word.text, other
         if scene.vibe.targets.get(word.key):
-            self._draw_target(layout, "", "As it is read", "LOOP_BACK")
+            self._draw_target(layout, "", "LOOP_BACK", "As it is read")
         for name in word.candidates:
             icon = "RADIOBUT_ON" if name == word.candidates[0] else _icon(scene, name)
-            self._draw_target(layout, name, _description(name), icon)
+            self._draw_target(layout, name, icon)
         self._draw_selection(layout, scene, word)
         if word.targets:
             layout.separator()
         for name in word.targets:
-            self._draw_target(layout, name, _description(name), _icon(scene, name))
+            self._draw_target(layout, name, _icon(scene, name))
 
     def _draw_selection(self, layout: bpy.types.UILayout, scene: bpy.types.Scene, word: messages.WordReading) -> None:
         """Offers all selected objects, or all selected lights, as one target, if the word can describe that kind."""
@@ -119,15 +115,12 @@ class VIBE_OT_reading(Operator, label="Reading of a Word", options={"INTERNAL"})
         if (things and lights) or not chosen or target in offered or _icon(scene, target) not in kinds:
             return
         listed = targets.listed(target) if len(chosen) <= _FEW else f"{len(chosen)} objects"
-        self._draw_target(layout, target, f"Describes the selected: {listed}", "RESTRICT_SELECT_OFF")
+        self._draw_target(layout, target, "RESTRICT_SELECT_OFF", f"Describes the selected: {listed}")
 
-    def _draw_target(self, layout: bpy.types.UILayout, target: str, text: str, icon: str) -> None:
+    def _draw_target(self, layout: bpy.types.UILayout, target: str, icon: str, text: str = "") -> None:
+        text = text or ("Do not use it" if target == targets.NOT_USED else f"Describes {targets.listed(target)}")
         button = layout.operator("vibe.describe", text=text, icon=icon)
         button.word, button.target = self.key, target
-
-
-def _description(name: str) -> str:
-    return "Do not use it" if name == targets.NOT_USED else f"Describes {targets.listed(name)}"
 
 
 def _icon(scene: bpy.types.Scene, name: str) -> str:
