@@ -18,6 +18,7 @@ _OPTIONS = bpy.types.Property.bl_rna.properties
 RELATIVE_PATHS = {"PATH_SUPPORTS_BLEND_RELATIVE"} if "is_path_supports_blend_relative" in _OPTIONS else set()
 IS_MODULE = not bpy.app.binary_path  # Blender is a Python module (bpy); `app.module` tells it since 4.5
 EEVEE = "BLENDER_EEVEE" if COMPOSITOR_IS_GROUP else "BLENDER_EEVEE_NEXT"  # the identifier of the engine
+GAMMA_NODE = "ShaderNodeGamma" if COMPOSITOR_IS_GROUP else "CompositorNodeGamma"
 
 
 def pasted_picture(context: bpy.types.Context) -> bpy.types.Image | None:
@@ -48,9 +49,8 @@ def enable_nodes(block: bpy.types.Material | bpy.types.World) -> NodeTree:
 
 def node_tree(block: Any) -> NodeTree | None:
     """The node tree that renders a material or world; None where its nodes are off."""
-    if COMPOSITOR_IS_GROUP:  # nodes are always on, and `use_nodes` is deprecated
-        return block.node_tree
-    return block.node_tree if block.use_nodes else None
+    on = COMPOSITOR_IS_GROUP or block.use_nodes  # in Blender 5 they are always on, and `use_nodes` is deprecated
+    return block.node_tree if on else None
 
 
 def output_node(block: Any) -> Node | None:
@@ -77,9 +77,6 @@ def compositor_output(tree: NodeTree) -> NodeSocket | None:
     elif tree.nodes.active in outputs:
         outputs = [tree.nodes.active]
     return next((s for node in outputs for s in node.inputs if s.type == "RGBA"), None)
-
-
-GAMMA_NODE = "ShaderNodeGamma" if COMPOSITOR_IS_GROUP else "CompositorNodeGamma"
 
 
 def set_option(node: Node, prop: str, socket: str, identifier: str, label: str) -> None:
@@ -173,21 +170,19 @@ def drop_action(tree: NodeTree | None, frame: int | None = None) -> None:
 
 def separate_compositor(twin: Scene, scene: Scene) -> list[NodeTree]:
     """Makes a copied scene's compositor read the copy and write no files; returns the node groups added for it."""
-    added: list[NodeTree] = []
     tree = compositor(twin)
     if tree is None:
-        return added
+        return []
     if COMPOSITOR_IS_GROUP:
         tree = twin.compositing_node_group = tree.copy()
         drop_action(tree, twin.frame_current)
-        added.append(tree)
     inner = copy_groups(tree, twin.frame_current)
     for node in [node for each in (tree, *inner) for node in each.nodes]:
         if getattr(node, "scene", None) == scene:
             node.scene = twin
         if node.bl_idname == "CompositorNodeOutputFile":
             node.mute = True
-    return added + inner
+    return [tree, *inner] if COMPOSITOR_IS_GROUP else inner
 
 
 def copy_groups(tree: NodeTree, frame: int | None = None) -> list[NodeTree]:

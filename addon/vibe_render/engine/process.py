@@ -115,9 +115,8 @@ class Engine:
     def poll_readings(self) -> messages.Readings | None:
         """The newest `Readings` since the last call, or None; `poll` does not return them."""
         newest = None
-        with contextlib.suppress(queue.Empty):
-            while True:
-                newest = self._readings.get_nowait()
+        while not self._readings.empty():
+            newest = self._readings.get_nowait()
         return newest
 
     def abandon(self) -> None:

@@ -33,6 +33,7 @@ _HELP = (
     f"virtual environment) and choose that environment's folder there or in {ENVIRONMENT_VARIABLE}."
 )
 
+_INDEX = "the Python Package Index (pypi.org, or the one that your pip uses)"
 _VERSIONS = ((3, 11), (3, 12), (3, 13))  # of Python, for which every package has wheels
 _UNREACHABLE = (
     r"NewConnectionError|Temporary failure|Network is unreachable|ConnectTimeout|ProxyError|SSLError|ReadTimeoutError"
@@ -129,9 +130,6 @@ def has_nvidia_card(root: Path = Path("/")) -> bool:
     """True if this is Linux with a card that NVIDIA's own driver runs; other drivers cannot run CUDA."""
     cards = (root / "proc/driver/nvidia/gpus").glob("*")
     return any(cards) or (root / "usr/lib/wsl/lib/libcuda.so.1").is_file()  # in WSL
-
-
-_INDEX = "the Python Package Index (pypi.org, or the one that your pip uses)"
 
 
 def download_text(build: TorchBuild, folder: Path) -> list[str]:

@@ -96,8 +96,7 @@ def path_for(place: Path, name: str) -> Path:
 
 def rename_preset(look: Look, name: str) -> Look:
     """Gives one of the artist's presets another name, with a number if another preset has that name."""
-    name = preset.title(name)
-    if not name:
+    if not (name := preset.title(name)):
         raise schema.VibeError("A preset needs a name.", "Type one.")
     _check_own(look)
     if look.preset is None:

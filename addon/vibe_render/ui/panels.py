@@ -65,12 +65,8 @@ def _panel(name: str, label: str, base: type, parent: str = "") -> type:
 
 def _classes(*modules: ModuleType) -> list[type]:
     """The classes that modules define for Blender: operators and menus VIBE_…, groups of properties Vibe…."""
-    return [
-        each
-        for module in modules
-        for name, each in vars(module).items()
-        if name.startswith(("VIBE_", "Vibe")) and each.__module__ == module.__name__
-    ]
+    own = [each for m in modules for each in vars(m).values() if getattr(each, "__module__", "") == m.__name__]
+    return [each for each in own if isinstance(each, type) and each.__name__.startswith(("VIBE_", "Vibe"))]
 
 
 CLASSES = [

@@ -14,6 +14,13 @@ from ..scene.subject import SubjectChoice, forget_subject
 from . import light_mix, live
 from .picture import PictureSettings
 
+SHARED = (  # choices for materials of the subject that other objects use too
+    ("ALL", "Affect All Users", "The other objects change with the subject"),
+    ("SINGLE", "Make Single-User", "The subject gets copies of its own; Revert removes them"),
+)
+_EFFORT = options.named("effort").panel
+_AUTO = "What was chosen before; otherwise the prominent objects in view, without what they stand on or in front of"
+
 
 def declare(preferences: bool) -> dict[str, Any]:
     """A property for each option of the schema that is one of the add-on's preferences, or else of the scene."""
@@ -72,14 +79,6 @@ def _dim(settings: "VibeSettings", context: bpy.types.Context) -> None:
         settings.show_original = False  # its update writes the values
     else:
         result.mix(settings.id_data)
-
-
-SHARED = (  # choices for materials of the subject that other objects use too
-    ("ALL", "Affect All Users", "The other objects change with the subject"),
-    ("SINGLE", "Make Single-User", "The subject gets copies of its own; Revert removes them"),
-)
-_EFFORT = options.named("effort").panel
-_AUTO = "What was chosen before; otherwise the prominent objects in view, without what they stand on or in front of"
 
 
 class VibeSettings(PictureSettings, bpy.types.PropertyGroup):

@@ -192,10 +192,8 @@ def _draw_changes(layout: bpy.types.UILayout, context: bpy.types.Context, same: 
             values.prop(change, "after", text="")
         else:
             values.alignment = "RIGHT"
-            before, after = change.values()
-            values.label(
-                text=f"{labels.bare(change.name, before)} → {labels.text(change.name, after)}"
-            )  # the unit once
+            before, after = change.values()  # the unit stands there once
+            values.label(text=f"{labels.bare(change.name, before)} → {labels.text(change.name, after)}")
         if not schema.light_links.link_of(change.name):  # no search changes a link
             draw_lock(row, context.scene.vibe, change.name)
     if why:
@@ -287,11 +285,10 @@ class VIBE_OT_check_sequence(run.Vibing, label="Check Sequence", options=set()):
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
         session = addon_state.session
-        if reason := ResultOperator.obstacle(context):
-            return reason
+        reason = HELD if own_keys.are_held(context.scene) else ""
         if not (session and session.report and session.scene == context.scene.name):
-            return "Run the vibe again first: its measures last only as long as Blender runs"
-        return HELD if own_keys.are_held(context.scene) else ""
+            reason = "Run the vibe again first: its measures last only as long as Blender runs"
+        return ResultOperator.obstacle(context) or reason
 
     def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
         session = addon_state.session
