@@ -155,7 +155,7 @@ def set_to_curve(block: ID, curve: bpy.types.FCurve, frame: float) -> None:
 
 
 def drop_action(tree: NodeTree | None, frame: int | None = None) -> None:
-    """Unlinks a copied tree from the action and NLA strips of the original; animated values stay as at `frame`, if any."""
+    """Unlinks a copied tree from the original's action and NLA strips; with a `frame`, its values are those of that frame."""
     # Otherwise Blender 5 deletes curves of the original when nodes of the copy are removed.
     data = tree.animation_data if tree else None
     if data is None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Changes to a .blend that can be taken back: a journal records every one, and undoing goes through the records backwards."""
+"""Changes to a .blend that can be taken back: a journal records each, and undoing goes through the records backwards."""
 
 from __future__ import annotations
 
@@ -75,11 +75,11 @@ class Journal:
         return name
 
     def curve(self, owner: bpy_struct, name: str, index: int) -> FCurve:
-        """Adds an empty curve for a property, or for a component of an array; raises LookupError if its action has no slot."""
+        """Adds an empty curve for a property, or a component of an array; raises LookupError for an action of others."""
         block = owner.id_data
         data, bag = block.animation_data, _channelbag(block)
         if bag is None:
-            if data and data.action:
+            if data and data.action:  # of the artist, for other data-blocks
                 raise LookupError(f"{data.action.name} has no keyframes of {block.name}")
             action = self.new("actions", f"Vibe {block.name}")
             self._note("action", block, had=data is not None, slot=data.last_slot_identifier if data else "")

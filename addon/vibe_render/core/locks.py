@@ -56,7 +56,7 @@ def of_pose(obj: Object) -> str:
 
 
 def of_socket(socket: NodeSocket, source: NodeSocket | None, inside: Sequence[Node] = ()) -> str:
-    """Lock reason of a node input; `source`: the output that computes it, `inside`: the group nodes around it, inward."""
+    """Lock reason of a node input; `source`: the output that computes it, `inside`: the group nodes around it."""
     if source is not None:
         return f'{socket.name} comes from "{source.node.label or source.node.name}"'
     if inside:

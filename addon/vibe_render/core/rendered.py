@@ -235,7 +235,8 @@ def image_notes(scene: Scene) -> list[str]:
         "Stereo is left out: the picture is what the camera itself sees.": render.use_multiview,
         "The sequencer's strips are left out: the picture is the scene's own render.": strips,
         "Culling by Simplify is left out: the prediction shows culled objects too.": culls,
-        f"{in_place}: words about materials cannot be visible. Remove the material override, or ask for light only.": in_place,
+        f"{in_place}: words about materials cannot be visible. "
+        "Remove the material override, or ask for light only.": in_place,
     }
     return [note for note, used in settings.items() if used]
 

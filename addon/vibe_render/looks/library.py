@@ -155,7 +155,7 @@ def _read(path: Path, _time: int, _size: int) -> Look:
 
 
 def save_preset(look: preset.Preset, picture: Path | None = None, instead: Path | None = None) -> Look:
-    """Adds a preset and its JPEG to the artist's own; a name that a preset has, except the file `instead`, gets a number."""
+    """Adds a preset and its JPEG to the artist's own; a name that is taken, but not by the file `instead`, gets a number."""
     place = preset_folder()
     with contextlib.suppress(OSError):  # writing a file there reports the reason
         place.mkdir(parents=True, exist_ok=True)

@@ -7,6 +7,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -24,6 +25,7 @@ from ..scene.nodes import grade, owned
 from ..scene.subject import SubjectChoice, remember_subject
 from . import lut
 
+_Values = Mapping[str, Sequence[float]]  # by key
 SceneParameters = SceneJob | reading.SceneReading  # both have parameters by key (`instances`) and an analysis
 
 _TEXTURE_LUMA = 0.5  # luma of a typical texture: a color divided by it tints the texture to about that color
@@ -48,13 +50,9 @@ def load_preset(path: Path) -> preset.Preset:
 
 
 def extract_look(
-    prompt: str,
-    scene: SceneParameters,
-    values: Mapping[str, Sequence[float]],
-    name: str = "",
-    goals: dict | None = None,
+    prompt: str, scene: SceneParameters, values: _Values, name: str = "", goals: dict[str, Any] | None = None
 ) -> preset.Preset:
-    """A preset, titled `name`, of the look that a vibe gave a scene: the values that it has changed, by key, and its goals."""
+    """A preset, titled `name`, of the look that a vibe gave a scene: the values that it has changed, and its goals."""
     roles: dict[str, list[preset.Entry]] = {}
     kinds: dict[str, list[str]] = {}
     for role, group in preset.ROLES.items():
@@ -104,7 +102,7 @@ def _kind(light: str) -> str:
     return schema.added_lights.ADDED_LIGHTS[light].type
 
 
-def _entry(scene: SceneParameters, group: str, owner: str, values: Mapping[str, Sequence[float]]) -> preset.Entry:
+def _entry(scene: SceneParameters, group: str, owner: str, values: _Values) -> preset.Entry:
     """The changed values of one owner, by parameter name, as multiples of the scene's reference lengths."""
     entry = {}
     for name in (p.name for p in schema.PARAMETERS if p.group == group):
@@ -177,8 +175,9 @@ def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entr
 
 
 def _for_light(entry: preset.Entry, made_on: str, kind: str) -> preset.Entry:
-    """An entry of one type of light as that of another, as bright and as soft: power to strength, size to angle, or back."""
+    """An entry of one type of light, converted to another type that is as bright and as soft."""
     result, target = dict(entry), LIGHT_TYPES[kind]
+    # Power becomes strength, size becomes angle, or the other way around.
     bright = result.pop("power", None) or result.pop("strength", None)
     if bright:
         energy = schema.radiometry.radiance(made_on, bright[0]) * schema.radiometry.unit_energy(kind)

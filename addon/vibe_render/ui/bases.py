@@ -47,8 +47,8 @@ class IdlePanel:
 class Operator(bpy.types.Operator):
     """An operator whose tooltip gives the reason if it is grayed out, and which reports a failure in one line.
 
-    Its `bl_idname` follows from the name of its class: "vibe.revert" for VIBE_OT_revert. The arguments of a class are its
-    `bl_label` and, if they are not those of its base class, its `bl_options`.
+    Its `bl_idname` follows from the name of its class: "vibe.revert" for VIBE_OT_revert. The class arguments are its
+    `bl_label` and its `bl_options`, if they are not those of its base class.
     """
 
     severity = "INFO"  # of the closing message
