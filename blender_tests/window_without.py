@@ -35,7 +35,7 @@ def earlier_prompts(screen):
     """One is chosen from the menu, then all are forgotten."""
     from bl_ext.user_default.vibe_render.ui import words
 
-    words.clear()
+    bpy.ops.vibe.clear_history()
     for prompt in reversed(EARLIER):
         words.remember(prompt)
     yield from screen.find("vibe.prompt", 153)
@@ -49,7 +49,7 @@ def earlier_prompts(screen):
     screen.shoot("recalled")
     yield from screen.open(row, 0.83)
     yield from screen.click_at(row + 75, 0.97)
-    yield from screen.wait(lambda: not words.prompts(), 30, "they are forgotten")
+    yield from screen.wait(lambda: not words.history(), 30, "they are forgotten")
 
 
 def single_values(screen):
@@ -134,13 +134,13 @@ def preferences(screen, engine_state):
     screen.observed["tested"] = engine_state.outcome
     yield from screen.click_on("vibe.setup_engine", 361, (0.5, 0.45))
     yield 1.0
-    screen.observed["offline_sets_up_nothing"] = not engine_state.setting_up
+    screen.observed["offline_sets_up_nothing"] = not engine_state.setup
     screen.shoot("set_up_offline")
     bpy.context.preferences.system.use_online_access = True
     yield from screen.click_on("vibe.setup_engine", 361, (0.5, 0.45))
     yield 1.0
     screen.shoot("set_up_asks_first")
-    screen.observed["asks_before_it_downloads"] = not engine_state.setting_up
+    screen.observed["asks_before_it_downloads"] = not engine_state.setup
     screen.press("Escape")
     yield 1.0
-    screen.observed["esc_sets_up_nothing"] = not engine_state.setting_up
+    screen.observed["esc_sets_up_nothing"] = not engine_state.setup

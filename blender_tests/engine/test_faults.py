@@ -13,7 +13,7 @@ from vibe_render.export import reading
 from vibe_render.run.session import result
 from vibe_render.run.state import addon_state
 from vibe_render.scene import snapshot
-from vibe_render.ui.bases import obstacle
+from vibe_render.ui.run import VIBE_OT_run
 from vibing import advance, fails
 
 from proxy_renderer.schema import messages
@@ -141,6 +141,6 @@ def test_a_damaged_snapshot_is_explained_in_the_panel_and_keep_ends_it(addon):
 def test_modes_without_whole_undo_are_refused_with_the_reason(addon):
     bpy.context.view_layer.objects.active = bpy.data.objects["Subject"]
     bpy.ops.object.mode_set(mode="EDIT")
-    assert "Object Mode" in obstacle(bpy.context)
+    assert "Object Mode" in VIBE_OT_run.obstacle(bpy.context)
     bpy.ops.object.mode_set(mode="OBJECT")
-    assert obstacle(bpy.context) == ""
+    assert VIBE_OT_run.obstacle(bpy.context) == ""

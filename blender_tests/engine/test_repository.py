@@ -46,7 +46,8 @@ bpy.ops.extensions.repo_sync(repo_index=place)
 bpy.ops.extensions.package_install(repo_index=place, pkg_id="vibe_render", enable_on_install=True)
 from bl_ext.vibe.vibe_render.looks import library
 from bl_ext.vibe.vibe_render.ui.engine_state import setup_folder
-presets, engine = library.preset_folder(create=True), setup_folder()
+presets, engine = library.preset_folder(), setup_folder()
+presets.mkdir(parents=True, exist_ok=True)
 shutil.copy(library.SHIPPED / "noir.json", presets / "mine.json")
 engine.mkdir(parents=True)
 bpy.context.preferences.addons[name].preferences.vlm_model = "a-model"

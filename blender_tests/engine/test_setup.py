@@ -65,10 +65,10 @@ def installed(environment):
 def test_makes_an_environment_that_is_found(wheel, tmp_path):
     environment = setup.EngineSetup(tmp_path / "engine", [str(wheel)], setup.CUDA)
     texts = set()
-    while environment.running:
+    while not environment.work.done():
         texts.add(environment.text)
         time.sleep(0.02)
-    environment.finish()
+    environment.work.result()
     assert "Making a Python environment" in texts
     python = setup.find_python(str(tmp_path / "engine"))
     assert setup.has_engine(python)
@@ -104,7 +104,7 @@ def test_torch_for_the_processor_comes_from_its_own_index(folders, tmp_path, mon
     monkeypatch.delenv("PIP_NO_INDEX")
     monkeypatch.setenv("PIP_INDEX_URL", usual)
     build = replace(setup.CPU, index=own)
-    setup.EngineSetup(tmp_path / "engine", ["torch>=2.5", "others"], build).finish()
+    setup.EngineSetup(tmp_path / "engine", ["torch>=2.5", "others"], build).work.result()
     assert installed(tmp_path / "engine") >= {"torch-2.15.0+cpu", "torchvision-0.30.0+cpu", "others-1.0"}
     assert not [name for name in installed(tmp_path / "engine") if name.startswith("nvidia")]
 
@@ -116,7 +116,7 @@ def test_a_folder_of_wheels_serves_instead_of_every_index(folders, tmp_path, mon
     own, usual = folders
     shutil.copy(next(usual.glob("others*")), own)
     monkeypatch.setenv("PIP_FIND_LINKS", str(own if build is setup.CPU else usual))
-    setup.EngineSetup(tmp_path / "engine", ["torch>=2.5", "others"], build).finish()
+    setup.EngineSetup(tmp_path / "engine", ["torch>=2.5", "others"], build).work.result()
     assert ("nvidia_cudnn-9.0" in installed(tmp_path / "engine")) == (build is setup.CUDA)
 
 
@@ -124,7 +124,7 @@ def test_a_failure_says_why_and_leaves_nothing(tmp_path):
     (tmp_path / "file").write_text("")
     environment = setup.EngineSetup(tmp_path / "file" / "engine", ["no-such-package"], setup.CUDA)
     with pytest.raises(VibeError, match="Making a Python environment failed"):
-        environment.finish()
+        environment.work.result()
     assert (tmp_path / "file").read_text() == ""
 
 
@@ -134,11 +134,11 @@ def test_cancel_leaves_nothing_new_and_the_older_engine_whole(wheel, tmp_path):
     (tmp_path / "engine.part").mkdir()  # of a Blender that was killed
     (tmp_path / "engine.part" / "half").touch()
     environment = setup.EngineSetup(tmp_path / "engine", [str(wheel)], setup.CUDA)
-    while not (tmp_path / "engine.part" / "bin").exists() and environment.running:
+    while not (tmp_path / "engine.part" / "bin").exists() and not environment.work.done():
         time.sleep(0.02)
     environment.cancel()
     with pytest.raises(VibeError, match="Canceled"):
-        environment.finish()
+        environment.work.result()
     assert (tmp_path / "engine" / "kept").exists()
     assert not (tmp_path / "engine.part").exists()
 
@@ -159,7 +159,7 @@ def test_a_full_disk_is_said_before_anything_is_downloaded(tmp_path, monkeypatch
     leave_free(monkeypatch, 2e9)
     environment = setup.EngineSetup(tmp_path / "engine", [], setup.CUDA)
     with pytest.raises(VibeError, match=r"2\.0 GB are free, the engine takes 5\.8 GB"):
-        environment.finish()
+        environment.work.result()
     assert not any(tmp_path.iterdir())
 
 
@@ -179,13 +179,13 @@ def test_a_card_is_seen_by_the_traces_of_its_driver(tmp_path, trace):
 def test_each_computer_gets_the_build_that_suits_it(monkeypatch, system, card, build):
     monkeypatch.setattr(setup.sys, "platform", system)
     monkeypatch.setattr(setup, "has_nvidia_card", lambda: card)
-    assert setup.suggested() is setup.by_key(build)
+    assert setup.suggested() == build
 
 
 def test_what_is_downloaded_is_said_with_its_source_and_size(tmp_path, monkeypatch):
     monkeypatch.setattr(setup.sys, "platform", "linux")
     monkeypatch.setattr(setup, "has_nvidia_card", lambda: False)
-    small, large = (" ".join(setup.download_text(build, tmp_path)) for build in setup.choices())
+    small, large = (" ".join(setup.download_text(build, tmp_path)) for build in setup.choices().values())
     assert {"download.pytorch.org", "pypi.org"} <= set(small.replace(",", "").replace("(", "").split())
     assert f"{setup.CPU.download} GB to download" in small
     assert f"{setup.CUDA.disk} GB in {tmp_path}" in large
@@ -209,7 +209,7 @@ def test_a_download_shows_its_size_and_how_far_it_is(wheel, tmp_path, monkeypatc
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         monkeypatch.setenv("PIP_FIND_LINKS", f"http://127.0.0.1:{server.server_port}/")
-        setup.EngineSetup(tmp_path / "engine", ["stand-in"], setup.CUDA).finish()
+        setup.EngineSetup(tmp_path / "engine", ["stand-in"], setup.CUDA).work.result()
         server.shutdown()
     assert ("Downloading stand_in (3.0 MB)", 0.0) in seen
     if sys.version_info >= (3, 13):  # older Pythons bring a pip that reports no progress

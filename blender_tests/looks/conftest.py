@@ -16,7 +16,7 @@ def own(tmp_path, monkeypatch):
     mine, shipped = tmp_path / "mine", tmp_path / "shipped"
     for place in (mine, shipped):
         place.mkdir()
-    monkeypatch.setattr(library, "preset_folder", lambda create=False: mine)
+    monkeypatch.setattr(library, "preset_folder", lambda: mine)
     monkeypatch.setattr(library, "SHIPPED", shipped)
     (shipped / "cosy.json").write_text(preset.Preset("Cosy", DAY.roles, {}, "cosy, warm").dumps())
     return mine

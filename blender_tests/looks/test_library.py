@@ -88,7 +88,7 @@ def test_names_that_are_not_there(own):
 
 def test_a_folder_that_cannot_be_written(own, monkeypatch):
     (own / "file").write_text("")
-    monkeypatch.setattr(library, "preset_folder", lambda create=False: own / "file")
+    monkeypatch.setattr(library, "preset_folder", lambda: own / "file")
     with pytest.raises(VibeError, match="cannot be written"):
         library.save_preset(NOIR)
 

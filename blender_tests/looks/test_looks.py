@@ -21,7 +21,7 @@ ROWS = tomllib.loads(make_looks.PROMPTS.read_text(encoding="utf-8"))["look"]
 @pytest.fixture(autouse=True)
 def own(tmp_path, monkeypatch):
     """The artist has no presets of their own."""
-    monkeypatch.setattr(library, "preset_folder", lambda create=False: tmp_path)
+    monkeypatch.setattr(library, "preset_folder", lambda: tmp_path)
 
 
 @pytest.fixture
@@ -34,7 +34,7 @@ def addon(scene):
 
 
 def test_there_is_one_for_each_prompt_and_no_other():
-    shipped = [library.Look(path, None) for path in library.SHIPPED.glob("*.json")]
+    shipped = [library.Look(path, path.stem) for path in library.SHIPPED.glob("*.json")]
     assert {look.path for look in shipped} == {library.path_for(library.SHIPPED, row["name"]) for row in ROWS}
     assert len(shipped) == 12
 

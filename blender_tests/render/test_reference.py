@@ -8,7 +8,7 @@ from PIL import Image
 from small_scenes import studio
 from vibe_render.core.schema_import import schema
 from vibe_render.render import reference
-from vibe_render.ui import bases
+from vibe_render.ui.run import VIBE_OT_run
 
 from proxy_renderer.reference.files import read_reference
 
@@ -56,7 +56,7 @@ def test_a_file_is_found_from_the_blends_folder(settings, tmp_path):
 
 def test_a_missing_file_is_one_line_and_grays_the_button_out(settings, tmp_path):
     settings.like_from, settings.like = "FILE", str(tmp_path / "missing.png")
-    assert "missing.png" in bases.obstacle(bpy.context)
+    assert "missing.png" in VIBE_OT_run.obstacle(bpy.context)
     with pytest.raises(schema.VibeError, match=r"missing\.png"):
         reference.picture_path(settings.id_data, tmp_path)
 
@@ -108,9 +108,9 @@ def test_what_was_rendered_into_a_slot(settings, tmp_path):
 
 def test_a_picture_is_enough_to_begin_and_what_is_taken_over_reaches_the_engine(settings):
     settings.prompt = ""
-    assert "Describe a mood" in bases.obstacle(bpy.context)
+    assert "Describe a mood" in VIBE_OT_run.obstacle(bpy.context)
     settings.like_from, settings.like_image = "IMAGE", drawn("Mood")
-    assert "Describe a mood" not in bases.obstacle(bpy.context)
+    assert "Describe a mood" not in VIBE_OT_run.obstacle(bpy.context)
     assert settings.engine_options(bpy.context).like_only == ()
     settings.like_air = settings.like_materials = False
     settings.like_same = True

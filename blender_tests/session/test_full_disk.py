@@ -34,7 +34,7 @@ def disk(tmp_path):
 def test_presets(disk, monkeypatch, tmp_path, left):
     """With one page left, the preset has room, and its picture does not."""
     mine, wide = replace(NOIR, name="Mine"), wide_picture(tmp_path)
-    monkeypatch.setattr(library, "preset_folder", lambda create=False: disk.folder)
+    monkeypatch.setattr(library, "preset_folder", lambda: disk.folder)
     library.save_preset(mine, wide)
     there = disk.files()
     disk.fill(left)
@@ -65,7 +65,7 @@ def test_pictures_of_blender(scene, disk):
 
 
 def test_what_is_only_convenient_is_left_out(scene, disk, tmp_path, monkeypatch):
-    monkeypatch.setattr(words, "own_folder", lambda path, create=False: disk.folder)
+    monkeypatch.setattr(words, "own_folder", lambda path: disk.folder)
     words.remember("noir")
     disk.fill()
     words.remember("golden hour")
@@ -73,7 +73,7 @@ def test_what_is_only_convenient_is_left_out(scene, disk, tmp_path, monkeypatch)
     picture = preview.store_before(disk.folder / "kept.png", tmp_path / "picture.png", True)
     assert picture == tmp_path / "picture.png"
     assert disk.files() == {"prompts.json"}
-    assert words.prompts() == ["noir"]
+    assert list(words.history()) == ["noir"]
 
 
 STAGES = {

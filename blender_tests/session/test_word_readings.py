@@ -96,7 +96,7 @@ def test_a_word_can_describe_what_is_selected(typing):
     for selected in (things, [light], [light, *things], [typing.camera]):
         for obj in typing.objects:
             obj.select_set(obj in selected)
-        words_ui.VIBE_OT_reading._draw_selection(menu, None, bpy.context, word)
+        words_ui.VIBE_OT_reading._draw_selection(menu, None, bpy.context.scene, word)
     assert [{*target_names(target)} for target in offered] == [{"Floor", "Subject"}]
     assert bpy.ops.vibe.describe(word="glossy", target=offered[0]) == {"FINISHED"}
     assert typing.vibe.target_pairs() == [f"glossy={offered[0]}"]

@@ -62,16 +62,16 @@ def test_options_are_what_the_engine_takes(addon):
 
 
 def test_run_says_what_is_in_its_way(addon):
-    from vibe_render.ui.bases import obstacle
+    from vibe_render.ui.run import VIBE_OT_run
 
-    assert "mood" in obstacle(bpy.context)
+    assert "mood" in VIBE_OT_run.obstacle(bpy.context)
     addon.vibe.prompt = PROMPT
-    assert "mesh" in obstacle(bpy.context)
+    assert "mesh" in VIBE_OT_run.obstacle(bpy.context)
     studio(addon)
-    assert obstacle(bpy.context) == ""
+    assert VIBE_OT_run.obstacle(bpy.context) == ""
     for group in GROUPS:
         setattr(addon.vibe, f"change_{group}", False)
-    assert "Unlock at least one" in obstacle(bpy.context)
+    assert "Unlock at least one" in VIBE_OT_run.obstacle(bpy.context)
     assert not bpy.ops.vibe.run.poll()
 
 
@@ -348,7 +348,7 @@ def test_a_file_that_is_opened_does_not_end_the_search_for_the_engine(addon, tmp
 
 def test_the_engine_starts_once_when_a_panel_is_drawn(addon):
     engine_state.search("")
-    while engine_state.busy:
+    while engine_state.search_work:
         engine_state.tick()
     setup.warm_up_soon()
     setup.warm_up_soon()

@@ -18,33 +18,33 @@ from proxy_renderer.schema.options.table import TABLE, Option, Panel
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """The user's own folder, empty."""
-    monkeypatch.setattr(words, "own_folder", lambda path, create=False: tmp_path)
-    monkeypatch.setattr(preferences, "own_folder", lambda path, create=False: tmp_path / path)
+    monkeypatch.setattr(words, "own_folder", lambda path: tmp_path)
+    monkeypatch.setattr(preferences, "own_folder", lambda path: tmp_path / path)
     return tmp_path
 
 
 def test_earlier_prompts_come_newest_first_and_once(folder, addon):
     for text in ("noir", "golden hour", "noir", "nebliger Morgen, grün"):
         words.remember(text)
-    assert words.prompts() == ["nebliger Morgen, grün", "noir", "golden hour"]
+    assert list(words.history()) == ["nebliger Morgen, grün", "noir", "golden hour"]
     assert bpy.ops.vibe.recall(prompt="golden hour") == {"FINISHED"}
     assert addon.vibe.prompt == "golden hour"
     for number in range(40):
         words.remember(str(number))
-    assert words.prompts() == [str(number) for number in range(39, 9, -1)]
+    assert list(words.history()) == [str(number) for number in range(39, 9, -1)]
     words.remember("copper cup", ["copper=Cup"])
-    assert words.targets_of("copper cup") == ["copper=Cup"]
-    assert words.prompts()[:2] == ["copper cup", "39"]
+    assert words.history()["copper cup"] == ["copper=Cup"]
+    assert list(words.history())[:2] == ["copper cup", "39"]
     assert bpy.ops.vibe.clear_history() == {"FINISHED"}
-    assert words.prompts() == []
+    assert list(words.history()) == []
 
 
 @pytest.mark.parametrize("content", ["{", "{}", "[1, null]", "\udcff"])
 def test_a_damaged_history_is_an_empty_one(folder, content):
     (folder / "prompts.json").write_text(content, errors="surrogateescape")
-    assert words.prompts() == []
+    assert list(words.history()) == []
     words.remember("noir")
-    assert words.prompts() == ["noir"]
+    assert list(words.history()) == ["noir"]
 
 
 def test_the_list_has_every_value_and_says_which_must_stay(addon):
@@ -145,8 +145,8 @@ def test_properties_of_options_come_from_the_table(addon, monkeypatch):
     """A made-up option has one; those of the panel and of the preferences have their titles, bounds and defaults."""
     sparkle = Option("sparkle", 3, "how much", "effort", bounds=(1, 9), panel=Panel("Sparkle", "How much", (1, 5)))
     monkeypatch.setattr(options, "TABLE", (*options.TABLE, sparkle))
-    extended = declare("Extended", preferences=False)
-    sparkling = type("VibeSparkling", (extended, bpy.types.PropertyGroup), {})
+    extended = {"__annotations__": declare(preferences=False)}
+    sparkling = type("VibeSparkling", (bpy.types.PropertyGroup,), extended)
     bpy.utils.register_class(sparkling)
     try:
         found = sparkling.bl_rna.properties["sparkle"]

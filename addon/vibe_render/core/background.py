@@ -6,14 +6,12 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future
-from typing import TypeVar
-
-T = TypeVar("T")
+from typing import Any
 
 
-def begin(act: Callable[[], T]) -> Future[T]:
+def begin(act: Callable[[], Any]) -> Future:
     """Starts a function in a daemon thread; it must not touch Blender's data. The future has its result or exception."""
-    future: Future[T] = Future()
+    future: Future = Future()
 
     def work() -> None:
         try:

@@ -7,8 +7,14 @@ import numpy as np
 
 Color = tuple[float, float, float]
 
-LUMA = (0.2126, 0.7152, 0.0722)
-"""Weights of linear red, green and blue (Rec.709)."""
+LUMA = (0.2126, 0.7152, 0.0722)  # weights of linear red, green and blue (Rec.709)
+# OKLab (Ottosson 2020): cone responses of linear Rec.709, and the axes of their cube roots.
+_CONES = np.array(
+    ((0.4122215, 0.5363325, 0.0514460), (0.2119035, 0.6806995, 0.1073970), (0.0883025, 0.2817188, 0.6299787))
+)
+_OKLAB = np.array(
+    ((0.2104543, 0.7936178, -0.0040720), (1.9779985, -2.4285922, 0.4505937), (0.0259040, 0.7827718, -0.8086758))
+)
 
 
 def to_linear(encoded: np.ndarray) -> np.ndarray:
@@ -21,14 +27,6 @@ def to_srgb(linear: np.ndarray) -> np.ndarray:
     """Inverse of `to_linear`."""
     curve = 1.055 * np.maximum(linear, 0.0) ** (1 / 2.4) - 0.055
     return np.where(linear <= 0.0031308, linear * 12.92, curve)
-
-
-_CONES = np.array(
-    ((0.4122215, 0.5363325, 0.0514460), (0.2119035, 0.6806995, 0.1073970), (0.0883025, 0.2817188, 0.6299787))
-)
-_OKLAB = np.array(
-    ((0.2104543, 0.7936178, -0.0040720), (1.9779985, -2.4285922, 0.4505937), (0.0259040, 0.7827718, -0.8086758))
-)
 
 
 def to_oklab(linear: np.ndarray) -> np.ndarray:

@@ -13,21 +13,17 @@ from bpy.types import ID, Node, NodeSocket, NodeTree, Scene
 from .journal import Journal, resolve
 
 COMPOSITOR_IS_GROUP = "compositing_node_group" in Scene.bl_rna.properties  # 5.0 and later
-RELATIVE_PATHS = (  # option of a path property: the path may begin with "//"; Blender 5.0 and later need it
-    {"PATH_SUPPORTS_BLEND_RELATIVE"}
-    if "is_path_supports_blend_relative" in bpy.types.Property.bl_rna.properties
-    else set()
-)
-
+# Option of a path property: the path may begin with "//"; Blender 5.0 and later need it.
+_OPTIONS = bpy.types.Property.bl_rna.properties
+RELATIVE_PATHS = {"PATH_SUPPORTS_BLEND_RELATIVE"} if "is_path_supports_blend_relative" in _OPTIONS else set()
 IS_MODULE = not bpy.app.binary_path  # Blender is a Python module (bpy); `app.module` tells it since 4.5
 EEVEE = "BLENDER_EEVEE" if COMPOSITOR_IS_GROUP else "BLENDER_EEVEE_NEXT"  # the identifier of the engine
+GAMMA_NODE = "ShaderNodeGamma" if COMPOSITOR_IS_GROUP else "CompositorNodeGamma"
 
 
 def pasted_picture(context: bpy.types.Context) -> bpy.types.Image | None:
-    """The image in the clipboard as a new image data-block; None if the clipboard has no image.
-
-    Blender pastes only into an image editor. If none is open, the current area becomes one for the duration of the call.
-    """
+    """The image in the clipboard as a new image data-block; None if the clipboard has no image."""
+    # Blender pastes only into an image editor. If none is open, the current area becomes one for the moment.
     areas = [area for area in context.screen.areas if area.type == "IMAGE_EDITOR"]
     area = areas[0] if areas else context.area
     before, kind = set(bpy.data.images), area.ui_type
@@ -53,9 +49,8 @@ def enable_nodes(block: bpy.types.Material | bpy.types.World) -> NodeTree:
 
 def node_tree(block: Any) -> NodeTree | None:
     """The node tree that renders a material or world; None where its nodes are off."""
-    if COMPOSITOR_IS_GROUP:  # nodes are always on, and `use_nodes` is deprecated
-        return block.node_tree
-    return block.node_tree if block.use_nodes else None
+    on = COMPOSITOR_IS_GROUP or block.use_nodes  # in Blender 5 they are always on, and `use_nodes` is deprecated
+    return block.node_tree if on else None
 
 
 def output_node(block: Any) -> Node | None:
@@ -82,9 +77,6 @@ def compositor_output(tree: NodeTree) -> NodeSocket | None:
     elif tree.nodes.active in outputs:
         outputs = [tree.nodes.active]
     return next((s for node in outputs for s in node.inputs if s.type == "RGBA"), None)
-
-
-GAMMA_NODE = "ShaderNodeGamma" if COMPOSITOR_IS_GROUP else "CompositorNodeGamma"
 
 
 def set_option(node: Node, prop: str, socket: str, identifier: str, label: str) -> None:
@@ -114,11 +106,7 @@ def _action_curves(action: bpy.types.Action, slot: Any) -> Iterator[bpy.types.FC
 
 
 def start_compositor(journal: Journal, scene: Scene) -> NodeTree:
-    """Turns compositing on for a scene whose renders have none; returns a tree that links the render to the output.
-
-    Blender 5 gets a new tree. In Blender 4, a tree that the artist had switched off is used: only its output is linked anew,
-    and its File Output nodes are muted.
-    """
+    """Turns compositing on for a scene whose renders have none; returns a tree that links the render to the output."""
     journal.set(scene.render, "use_compositing", True)
     if COMPOSITOR_IS_GROUP:
         tree = journal.new("node_groups", "Vibe Compositor", "CompositorNodeTree")
@@ -131,6 +119,7 @@ def start_compositor(journal: Journal, scene: Scene) -> NodeTree:
         tree.links.new(layers.outputs["Image"], output.inputs["Image"])
         journal.set(scene, "compositing_node_group", tree)
         return tree
+    # Blender 4 uses a tree that the artist has switched off: its output is linked anew, its File Output nodes are muted.
     if scene.node_tree is None:
         journal.start_compositor(scene)
     tree = scene.node_tree
@@ -166,11 +155,8 @@ def set_to_curve(block: ID, curve: bpy.types.FCurve, frame: float) -> None:
 
 
 def drop_action(tree: NodeTree | None, frame: int | None = None) -> None:
-    """Unlinks a copied tree from the action and NLA strips that it shares with the original.
-
-    Otherwise Blender 5 deletes curves of the original when nodes of the copy are removed. If `frame` is given, animated
-    values are first set to what the action's curves give at that frame.
-    """
+    """Unlinks a copied tree from the original's action and NLA strips; with a `frame`, its values are those of that frame."""
+    # Otherwise Blender 5 deletes curves of the original when nodes of the copy are removed.
     data = tree.animation_data if tree else None
     if data is None:
         return
@@ -184,21 +170,19 @@ def drop_action(tree: NodeTree | None, frame: int | None = None) -> None:
 
 def separate_compositor(twin: Scene, scene: Scene) -> list[NodeTree]:
     """Makes a copied scene's compositor read the copy and write no files; returns the node groups added for it."""
-    added: list[NodeTree] = []
     tree = compositor(twin)
     if tree is None:
-        return added
+        return []
     if COMPOSITOR_IS_GROUP:
         tree = twin.compositing_node_group = tree.copy()
         drop_action(tree, twin.frame_current)
-        added.append(tree)
     inner = copy_groups(tree, twin.frame_current)
     for node in [node for each in (tree, *inner) for node in each.nodes]:
         if getattr(node, "scene", None) == scene:
             node.scene = twin
         if node.bl_idname == "CompositorNodeOutputFile":
             node.mute = True
-    return added + inner
+    return [tree, *inner] if COMPOSITOR_IS_GROUP else inner
 
 
 def copy_groups(tree: NodeTree, frame: int | None = None) -> list[NodeTree]:
@@ -223,13 +207,10 @@ def own_compositor(journal: Journal, scene: Scene, tree: NodeTree) -> NodeTree:
 
 
 def march_volumes(journal: Journal, scene: Scene) -> None:
-    """Lets Blender 5 use Blender 4's ray marching for volumes: large boxes of height fog start rendering seconds sooner.
-
-    Vibe Render's fog looks the same. Scenes with volume objects of the artist are left alone, because these would change.
-    """
-    if not hasattr(scene.cycles, "volume_biased") or any(o.type == "VOLUME" for o in scene.objects):
-        return
-    if not scene.cycles.volume_biased:
+    """Lets Blender 5 use Blender 4's ray marching for volumes: large boxes of height fog start rendering seconds sooner."""
+    # Vibe Render's fog looks the same; volume objects of the artist would change.
+    ours = not any(o.type == "VOLUME" for o in scene.objects)
+    if ours and not getattr(scene.cycles, "volume_biased", True):
         journal.set(scene.cycles, "volume_biased", True)
 
 
@@ -242,11 +223,7 @@ def assign(owner: bpy.types.bpy_struct, **values: Any) -> None:
 
 @contextmanager
 def changed(owner: bpy.types.bpy_struct, **values: Any) -> Iterator[None]:
-    """Sets properties inside the block and restores the old values afterwards, in reverse order.
-
-    Two kinds of properties are left alone: those that this version of Blender does not have, and those whose present
-    value cannot be set again, such as an option from an older file that Blender has dropped.
-    """
+    """Sets properties, if this version of Blender has them, and restores the old values afterwards, in reverse order."""
     old = []
     try:
         for name, value in values.items():
@@ -256,7 +233,7 @@ def changed(owner: bpy.types.bpy_struct, **values: Any) -> Iterator[None]:
                 before = before[:] if hasattr(before, "__len__") else before
                 try:
                     setattr(owner, name, before)
-                except TypeError:
+                except TypeError:  # such as an option from an older file that Blender has dropped
                     continue
                 old.append((name, before))
                 setattr(owner, name, value)

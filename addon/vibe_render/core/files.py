@@ -12,7 +12,6 @@ import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 from .schema_import import atomic, schema
@@ -23,17 +22,14 @@ _LEAST = 4096  # bytes free on the disk; with fewer, the file just written may b
 
 @contextmanager
 def whole(path: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
-    """A temporary path next to a file, moved onto the file at the end of the block; removed after a failure.
-
-    A failure to write raises a VibeError with this remedy. (Blender raises RuntimeError, or writes an empty file.)
-    """
+    """A temporary path next to a file, moved onto the file at the end of the block; a failure raises a VibeError."""
     try:
         with atomic.replacing(path) as part:
             yield part
             # Blender reports success even if the disk was full.
             if not part.stat().st_size or shutil.disk_usage(part.parent).free < _LEAST:
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-    except (OSError, RuntimeError) as error:
+    except (OSError, RuntimeError) as error:  # the latter from Blender
         raise unwritable(path, error, remedy) from error
 
 
@@ -46,11 +42,7 @@ def unwritable(path: Path, error: Exception, remedy: str) -> schema.VibeError:
 
 
 class Outputs:
-    """New files in an existing folder, all moved into place when the block ends, or deleted if it raises.
-
-    Until then they are in the same folder under temporary names, because a .blend keeps paths relative to itself. Every
-    method raises a VibeError if a file cannot be written.
-    """
+    """New files in an existing folder, all moved into place when the block ends, or deleted if it raises."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -58,7 +50,7 @@ class Outputs:
         self._names: list[str] = []
 
     def path(self, name: str) -> Path:
-        """The temporary path at which to write the file of this name."""
+        """The temporary path for the file of this name: in the folder, because a .blend keeps paths relative to itself."""
         if name not in self._names:
             self._names.append(name)
         return self.folder / f"{atomic.part_prefix()}{self._run}-{name}"
@@ -77,7 +69,7 @@ class Outputs:
         with self._writing(name) as path:
             shutil.copyfile(source, path)
 
-    @contextlib.contextmanager
+    @contextmanager
     def _writing(self, name: str) -> Iterator[Path]:
         try:
             yield self.path(name)
@@ -87,9 +79,7 @@ class Outputs:
     def __enter__(self) -> Outputs:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         try:
             if kind is None:
                 for name in self._names:

@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Changes to a .blend, made so that every one of them can be taken back.
-
-A journal records every change; undoing goes through the records backwards. Entries are JSON. They refer to
-data-blocks by index in `ids`, so that an artist may rename these.
-"""
+"""Changes to a .blend that can be taken back: a journal records each, and undoing goes through the records backwards."""
 
 from __future__ import annotations
 
@@ -15,21 +11,19 @@ import bpy
 from bpy.types import ID, FCurve, Node, NodeSocket, NodeTree, bpy_struct
 
 JournalEntry = dict[str, Any]
-KEYFRAMES = "Vibe Render"
-"""Name of the group in an action that holds Vibe Render's curves; the other curves are the artist's."""
-HELD = "vibe_held"
-"""Custom property of an action: the `held_name` of each of the artist's curves that Vibe Render has muted."""
+KEYFRAMES = "Vibe Render"  # the group of Vibe Render's curves in an action; the others are the artist's
+HELD = "vibe_held"  # custom property of an action: `held_name` of each curve of the artist that Vibe Render has muted
 Keys = list[list[float]]  # a row for each keyframe: its value, and the values of its left and right handle
+# Errors that Blender raises when the artist has removed or changed what an entry refers to.
 _GONE = (LookupError, ValueError, AttributeError, ReferenceError)
-"""Errors that Blender raises when the artist has removed or changed what an entry refers to."""
 
 
 @dataclass
 class Journal:
     """Recorded changes. Changing a node in an embedded tree that no data-block owns raises LookupError."""
 
-    entries: list[JournalEntry] = field(default_factory=list)  # in the order of the changes
-    # the data-blocks that entries refer to by index; None in place of a deleted one
+    entries: list[JournalEntry] = field(default_factory=list)  # in the order of the changes, as JSON
+    # the data-blocks that entries refer to by index, as an artist may rename them; None in place of a deleted one
     ids: list[ID | None] = field(default_factory=list)
 
     def refer(self, block: ID) -> int:
@@ -80,28 +74,20 @@ class Journal:
         self._note("lightgroup", layer, name=name)
         return name
 
-    def channelbag(self, block: ID) -> Any:
-        """The channelbag (keyframes) of a data-block; makes an action if it has none.
-
-        Raises LookupError if there is an action, but without keyframes of this data-block.
-        """
-        data = block.animation_data
-        if data and data.action:
-            if (bag := _channelbag(block)) is None:
-                raise LookupError(f"{data.action.name} has no keyframes of {block.name}")
-            return bag
-        action = self.new("actions", f"Vibe {block.name}")
-        self._note("action", block, had=data is not None, slot=data.last_slot_identifier if data else "")
-        data = data or block.animation_data_create()
-        data.action = action
-        data.action_slot = action.slots.new(block.id_type, block.name)
-        strip = action.layers.new("Layer").strips.new(type="KEYFRAME")
-        return strip.channelbag(data.action_slot, ensure=True)
-
     def curve(self, owner: bpy_struct, name: str, index: int) -> FCurve:
-        """Adds an empty curve for a property, or for a component of an array; raises LookupError as `channelbag`."""
+        """Adds an empty curve for a property, or a component of an array; raises LookupError for an action of others."""
         block = owner.id_data
-        bag = self.channelbag(block)
+        data, bag = block.animation_data, _channelbag(block)
+        if bag is None:
+            if data and data.action:  # of the artist, for other data-blocks
+                raise LookupError(f"{data.action.name} has no keyframes of {block.name}")
+            action = self.new("actions", f"Vibe {block.name}")
+            self._note("action", block, had=data is not None, slot=data.last_slot_identifier if data else "")
+            data = data or block.animation_data_create()
+            data.action = action
+            data.action_slot = action.slots.new(block.id_type, block.name)
+            strip = action.layers.new("Layer").strips.new(type="KEYFRAME")
+            bag = strip.channelbag(data.action_slot, ensure=True)
         path = name if isinstance(owner, ID) else f"{owner.path_from_id()}.{name}"
         curve = bag.fcurves.new(path, index=index)
         curve.group = bag.groups.get(KEYFRAMES) or bag.groups.new(KEYFRAMES)
@@ -109,12 +95,7 @@ class Journal:
         return curve
 
     def hold(self, block: ID, curve: FCurve, key: str, was: float) -> None:
-        """Mutes a curve of the artist, so that its value can change.
-
-        Args:
-            key: Key of the parameter that the curve animates.
-            was: The curve's present value.
-        """
+        """Mutes a curve of the artist, so that its value can change; `key`: its parameter, `was`: its present value."""
         place = {"curve": curve.data_path, "index": curve.array_index}
         self._note("held", block, **place, keys=keys_of(curve), key=key, was=was)
         mark_held(curve, True)
@@ -203,7 +184,12 @@ class Journal:
             mark_held(curve, False)
             set_keys(curve, entry["keys"])
         elif op == "action":
-            _drop_action(owner, entry)
+            bag, data = _channelbag(owner), owner.animation_data
+            if bag is not None and not bag.fcurves:  # else there are curves of the artist
+                data.action = None
+                data.last_slot_identifier = entry["slot"]
+                if not (entry["had"] or data.drivers or data.nla_tracks):
+                    owner.animation_data_clear()
         elif op == "set":
             old = entry["old"]
             setattr(owner, entry["name"], self.ids[old["id"]] if isinstance(old, dict) else old)
@@ -235,11 +221,11 @@ class Journal:
     def extend(self, later: Journal) -> None:
         """Appends a journal of later changes. Properties that this journal has already recorded keep their first record."""
         number = {i: self.refer(block) for i, block in enumerate(later.ids) if block is not None}
-        recorded = {_slot(entry) for entry in self.entries if entry["op"] == "set"}
+        recorded = {(e["id"], e["path"], e["name"]) for e in self.entries if e["op"] == "set"}
         for entry in later.entries:
             entry = {**entry, "id": number[entry["id"]]}
             if entry["op"] == "set":
-                if _slot(entry) in recorded:
+                if (entry["id"], entry["path"], entry["name"]) in recorded:
                     continue
                 if isinstance(entry["old"], dict):
                     entry["old"] = {"id": number[entry["old"]["id"]]}
@@ -321,21 +307,6 @@ def set_keys(curve: FCurve, keys: Keys) -> None:
     for point, (value, left, right) in zip(curve.keyframe_points, keys, strict=True):
         point.co.y, point.handle_left.y, point.handle_right.y = value, left, right
     curve.update()
-
-
-def _drop_action(block: ID, entry: JournalEntry) -> None:
-    """Unlinks a data-block from the action that `channelbag` made, unless curves of the artist are in it."""
-    bag, data = _channelbag(block), block.animation_data
-    if bag is None or bag.fcurves:
-        return
-    data.action = None
-    data.last_slot_identifier = entry["slot"]
-    if not (entry["had"] or data.drivers or data.nla_tracks):
-        block.animation_data_clear()
-
-
-def _slot(entry: JournalEntry) -> tuple:
-    return entry["id"], entry["path"], entry["name"]
 
 
 def _end(socket: NodeSocket) -> list[str]:

@@ -49,24 +49,18 @@ def of_pose(obj: Object) -> str:
         return f'"{obj.name}" is constrained'
     if any(obj.delta_location) or any(obj.delta_rotation_euler):
         return f'"{obj.name}" has delta transforms'
-    rotation = {"QUATERNION": "rotation_quaternion", "AXIS_ANGLE": "rotation_axis_angle"}
-    names = ("location", rotation.get(obj.rotation_mode, "rotation_euler"))
     if any(any(getattr(obj, f"lock_{part}")) for part in ("location", "rotation")):
         return f'"{obj.name}" has locked transforms'
-    return next(filter(None, (of_property(obj, name) for name in names)), "")
+    rotation = {"QUATERNION": "rotation_quaternion", "AXIS_ANGLE": "rotation_axis_angle"}
+    return of_property(obj, "location") or of_property(obj, rotation.get(obj.rotation_mode, "rotation_euler"))
 
 
 def of_socket(socket: NodeSocket, source: NodeSocket | None, inside: Sequence[Node] = ()) -> str:
-    """Lock reason of a node input.
-
-    Args:
-        source: The output that computes the input; None if no output does.
-        inside: The group nodes around the input, from the outermost tree inward. A shared or linked group is no
-            obstacle, because a copy of it is changed. Only the tree around the outermost group must be editable.
-    """
+    """Lock reason of a node input; `source`: the output that computes it, `inside`: the group nodes around it."""
     if source is not None:
         return f'{socket.name} comes from "{source.node.label or source.node.name}"'
     if inside:
+        # Only the outermost tree must be editable: a shared or linked group is copied before it is changed.
         return of_property(inside[0], "node_tree") or _animated(socket, "default_value")
     return of_property(socket, "default_value")
 

@@ -18,8 +18,7 @@ _replaced: list[str] = []  # names that `note` has not reported yet
 def make_readable() -> None:
     """Rewrites texts of the file that are not valid UTF-8; raises VibeError for one in a linked library."""
     for struct in _structs():
-        texts = (p for p in struct.bl_rna.properties if p.type == "STRING" and not p.is_readonly)
-        for name in (p.identifier for p in texts):
+        for name in (p.identifier for p in struct.bl_rna.properties if p.type == "STRING" and not p.is_readonly):
             try:
                 getattr(struct, name)
             except UnicodeDecodeError as error:
@@ -28,10 +27,8 @@ def make_readable() -> None:
                 text = error.object[: error.start].decode() if cut else error.object.decode("latin-1")
                 block = struct if isinstance(struct, ID) else struct.id_data
                 if not block.is_editable:
-                    raise schema.VibeError(
-                        f'"{text}" in {bpy.path.basename(block.library.filepath)} is no UTF-8.',
-                        "Rename it there and save that file again.",
-                    ) from error
+                    message = f'"{text}" in {bpy.path.basename(block.library.filepath)} is no UTF-8.'
+                    raise schema.VibeError(message, "Rename it there and save that file again.") from error
                 setattr(struct, name, text)
                 if text not in _replaced:
                     _replaced.append(text)
@@ -39,11 +36,9 @@ def make_readable() -> None:
 
 def _structs() -> Iterator[bpy_struct]:
     """All data-blocks, and the parts of them that have names."""
-    collections = (p.identifier for p in bpy.data.bl_rna.properties if p.type == "COLLECTION")
-    for name in collections:
+    for name in (p.identifier for p in bpy.data.bl_rna.properties if p.type == "COLLECTION"):
         for block in getattr(bpy.data, name):
-            tree = getattr(block, "node_tree", None)
-            for owner in filter(None, (block, tree)):
+            for owner in filter(None, (block, getattr(block, "node_tree", None))):
                 yield owner
                 for part in _PARTS:
                     yield from getattr(owner, part, ())

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -14,20 +13,12 @@ from . import ADDON, compat
 _FOLDER = "vibe-render"  # subfolder of the chosen cache folder: Clear deletes only this
 
 
-def own_folder(path: str, create: bool = False) -> Path:
-    """A folder for the extension's files of this user.
-
-    If no extension is installed (command line), the folder that one installed from disk would have.
-    """
+def own_folder(path: str) -> Path:
+    """A folder for the extension's files of this user."""
     try:
-        folder = Path(bpy.utils.extension_path_user(ADDON, path=path))
-    except ValueError:
-        place = f".user/user_default/vibe_render/{path}"
-        folder = Path(bpy.utils.user_resource("EXTENSIONS", path=place))
-    if create:  # Blender's own `create` returns "" if another Blender makes the folder at the same time
-        with suppress(OSError):  # the first write into the folder reports the reason
-            folder.mkdir(parents=True, exist_ok=True)
-    return folder
+        return Path(bpy.utils.extension_path_user(ADDON, path=path))
+    except ValueError:  # no extension is installed (command line): where one installed from disk has it
+        return Path(bpy.utils.user_resource("EXTENSIONS", path=f".user/user_default/vibe_render/{path}"))
 
 
 def get(context: bpy.types.Context) -> Any:

@@ -16,11 +16,9 @@ from mathutils import Matrix, Vector
 
 from . import compat
 
-MARK = "vibe_owned"
-"""The custom property by which Vibe Render knows what it has added."""
+MARK = "vibe_owned"  # the custom property by which Vibe Render knows what it has added
 GEOMETRY = {"MESH", "CURVE", "SURFACE", "FONT", "META", "CURVES", "POINTCLOUD"}
-FILM = "film"
-"""Stands for the film among kinds of rays: a holdout is hidden from it."""
+FILM = "film"  # stands for the film among kinds of rays: a holdout is hidden from it
 _RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")
 _LIT = ("diffuse", "glossy", "transmission")
 
@@ -41,11 +39,8 @@ def scenes(scene: Scene) -> list[Scene]:
 
 
 def shown(scene: Scene) -> set[Object]:
-    """The objects that a render shows, those of background sets too.
-
-    An object is shown if one of its collections is: neither this collection nor one around it is disabled in renders,
-    and the view layer does not exclude it.
-    """
+    """The objects that a render shows, those of background sets too."""
+    # One of an object's collections must be shown: neither it nor one around it is disabled, and the layer has it.
     found: set[Object] = set()
     for each in scenes(scene):
         here = set(filter(None, layer(each).objects))  # an object removed just now is there as None
@@ -70,10 +65,7 @@ def depsgraph(scene: Scene) -> bpy.types.Depsgraph:
 
 
 def instances(scene: Scene) -> Iterator[tuple[Object, Object | None, Matrix]]:
-    """Yields (object, instancer or None, world matrix) for all that a render shows.
-
-    Objects are evaluated, except those that the viewport hides.
-    """
+    """Yields (object, instancer or None, world matrix) for all that a render shows, evaluated if the viewport shows it."""
     objects = shown(scene)
     seen = set()
     for item in depsgraph(scene).object_instances:
@@ -84,7 +76,7 @@ def instances(scene: Scene) -> Iterator[tuple[Object, Object | None, Matrix]]:
         shows = original.show_instancer_for_render if original.is_instancer else item.show_self
         if shows and (instancer or original) in objects and not hidden:
             yield item.object, instancer, item.matrix_world.copy()
-    for obj in sorted(objects - seen, key=lambda each: each.name_full):
+    for obj in sorted(objects - seen, key=lambda each: each.name_full):  # the viewport hides them
         yield obj, None, obj.matrix_world.copy()
 
 
@@ -94,14 +86,11 @@ def is_finite(matrix: Matrix) -> bool:
 
 
 def hidden_from(thing: Object, of: ViewLayer) -> frozenset[str]:
-    """The kinds of rays that pass through an object and its instances.
-
-    Camera rays pass through an object that is set to Indirect Only. A holdout stops all rays, but leaves a hole in the
-    image: its set has `FILM`.
-    """
+    """The kinds of rays that pass through an object and its instances; has `FILM` for a holdout."""
     rays = {ray for ray in _RAYS if not getattr(thing, f"visible_{ray}")}
     if thing.original.indirect_only_get(view_layer=of):
         rays.add("camera")
+    # A holdout stops all rays, but leaves a hole in the image.
     if thing.original.holdout_get(view_layer=of) or all(map(is_holdout, worn(thing, of))):
         rays.add(FILM)
     return frozenset(rays)
@@ -112,13 +101,9 @@ def frustum(scene: Scene) -> Matrix | None:
     camera, render = scene.camera, scene.render
     if camera is None or camera.type != "CAMERA":
         return None
-    projection = camera.calc_matrix_camera(
-        layer(scene).depsgraph,
-        x=render.resolution_x,
-        y=render.resolution_y,
-        scale_x=render.pixel_aspect_x,
-        scale_y=render.pixel_aspect_y,
-    )
+    size = {"x": render.resolution_x, "y": render.resolution_y}
+    aspect = {"scale_x": render.pixel_aspect_x, "scale_y": render.pixel_aspect_y}
+    projection = camera.calc_matrix_camera(layer(scene).depsgraph, **size, **aspect)
     return projection @ camera.matrix_world.normalized().inverted()
 
 
@@ -157,9 +142,8 @@ def has_surface(material: Material | None) -> bool:
 def is_holdout(material: Material | None) -> bool:
     """True if a material's surface is nothing but a Holdout."""
     output = compat.output_node(material)
-    return output is not None and any(
-        link.from_node.bl_idname == "ShaderNodeHoldout" for link in output.inputs["Surface"].links
-    )
+    links = output.inputs["Surface"].links if output else ()
+    return any(link.from_node.bl_idname == "ShaderNodeHoldout" for link in links)
 
 
 def surface_note(thing: Object, of: ViewLayer) -> str:
@@ -185,8 +169,7 @@ def _shines(obj: Object) -> bool:
 
 def lights(scene: Scene) -> list[Object]:
     """The scene's own lights that a render shows, sorted by name; without portals and lights whose matrix is not finite."""
-    here = set(scene.objects)
-    found = [o for o in shown(scene) if _shines(o) and o in here and is_finite(o.matrix_world)]
+    found = [o for o in shown(scene) & {*scene.objects} if _shines(o) and is_finite(o.matrix_world)]
     return sorted(found, key=lambda o: o.name_full)
 
 
@@ -240,22 +223,20 @@ def world_users(block: World) -> int:
 
 def image_notes(scene: Scene) -> list[str]:
     """Notes for the artist on settings of the whole image that the prediction leaves out."""
-    view, render, cycles, of = scene.view_settings, scene.render, scene.cycles, layer(scene)
+    view, render, cycles = scene.view_settings, scene.render, scene.cycles
     culls = render.use_simplify and (cycles.use_camera_cull or cycles.use_distance_cull)
-    strips = getattr(scene.sequence_editor, "strips", ())
-    materials = of.material_override
+    strips = render.use_sequencer and getattr(scene.sequence_editor, "strips", ())
+    in_place = override_lock(scene).replace("the", "The", 1)
     settings = {
         "The view transform's curves are left out of the prediction.": view.use_curve_mapping,
         "Motion blur is left out of the prediction.": render.use_motion_blur,
         "Freestyle lines are in the pictures, not in the prediction.": render.use_freestyle,
         "The render border is left out: the whole picture is predicted and rendered.": render.use_border,
         "Stereo is left out: the picture is what the camera itself sees.": render.use_multiview,
-        "The sequencer's strips are left out: the picture is the scene's own render.": render.use_sequencer
-        and bool(strips),
+        "The sequencer's strips are left out: the picture is the scene's own render.": strips,
         "Culling by Simplify is left out: the prediction shows culled objects too.": culls,
-        f'The view layer "{of.name}" shows "{materials.name if materials else ""}" in place of all materials: words '
-        "about materials cannot be visible. Remove the material override, or ask for light only.": materials
-        is not None,
+        f"{in_place}: words about materials cannot be visible. "
+        "Remove the material override, or ask for light only.": in_place,
     }
     return [note for note, used in settings.items() if used]
 

@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A journal in a custom property of its scene: Blender saves, undoes and redoes it together with the scene.
-
-A journal is checked when it is read, because files may be damaged or come from other people. Its entries can do no more
-than take back a vibe: change numbers, flags, data-blocks, links, nodes and keyframes.
-"""
+"""A journal in a custom property of its scene: Blender saves, undoes and redoes it together with the scene."""
 
 from __future__ import annotations
 
@@ -17,18 +13,8 @@ from .journal import Journal
 VERSION = 1
 _MOST = 100_000  # data-blocks that a stored journal may name
 _COLLECTIONS = {
-    "actions",
-    "cameras",
-    "collections",
-    "lights",
-    "materials",
-    "meshes",
-    "node_groups",
-    "objects",
-    "worlds",
-}
-_TEXTS = {"link": {"DATA", "OBJECT"}}
-"""Text properties that an entry may restore, and their allowed values; `lightgroup` may have any text."""
+    "actions", "cameras", "collections", "lights", "materials", "meshes", "node_groups", "objects", "worlds",
+}  # fmt: skip
 
 
 class Newer(Exception):
@@ -48,6 +34,7 @@ def load(scene: Scene, key: str) -> Journal:
         count = min(int(stored["count"]), _MOST)
         ids = [scene if i == stored["self"] else stored["ids"].get(str(i)) for i in range(count)]
         entries = json.loads(stored["entries"])
+        # Files may be damaged or come from other people: entries can do no more than take back a vibe.
         if not isinstance(entries, list) or not all(_is_entry(entry, count) for entry in entries):
             raise Damaged
     except (TypeError, ValueError, KeyError, AttributeError, RecursionError) as error:
@@ -68,13 +55,9 @@ def store(scene: Scene, key: str, journal: Journal) -> None:
     # Pointers instead of names: they survive renaming, saving and reopening.
     # The scene itself is left out: it must not count as its own user.
     ids = {str(i): block for i, block in enumerate(journal.ids) if block not in (None, scene)}
-    scene[key] = {
-        "version": VERSION,
-        "entries": json.dumps(journal.entries),
-        "count": len(journal.ids),
-        "self": journal.ids.index(scene) if scene in journal.ids else -1,
-        "ids": ids,
-    }
+    own = journal.ids.index(scene) if scene in journal.ids else -1
+    stored = {"version": VERSION, "entries": json.dumps(journal.entries)}
+    scene[key] = stored | {"count": len(journal.ids), "self": own, "ids": ids}
 
 
 def _is_entry(entry: Any, count: int) -> bool:
@@ -100,17 +83,12 @@ def _is_entry(entry: Any, count: int) -> bool:
         case {"op": "held", "curve": str(), "key": str(), "index": int(), "keys": list(keys), "was": was}:
             return all(map(_are_numbers, [*keys, was]))
         case {"op": "set", "name": str(name), "old": old} if name.isidentifier() and name[0] != "_":
-            return _is_old(name, old, count)
+            if isinstance(old, dict):
+                return _is_index(old.get("id"), count)
+            if isinstance(old, str):
+                return name == "lightgroup" or (name == "link" and old in ("DATA", "OBJECT"))
+            return old is None or _are_numbers(old)
     return False
-
-
-def _is_old(name: str, old: Any, count: int) -> bool:
-    """True if this is a value that a property of this name may have had."""
-    if isinstance(old, dict):
-        return _is_index(old.get("id"), count)
-    if isinstance(old, str):
-        return name == "lightgroup" or old in _TEXTS.get(name, ())
-    return old is None or _are_numbers(old)
 
 
 def _are_numbers(value: Any) -> bool:

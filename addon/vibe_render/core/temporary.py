@@ -5,16 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TypeVar
+from typing import Any
 
 import bpy
 from bpy.types import ID
 
-Block = TypeVar("Block", bound=ID)
-
 
 @contextmanager
-def temporary(block: Block, *others: ID) -> Iterator[Block]:
+def temporary(block: Any, *others: ID) -> Iterator[Any]:
     """Removes data-blocks after the `with` block, whatever happens inside; yields the first."""
     try:
         yield block

@@ -115,10 +115,7 @@ class _JointSlot:
 
 
 def together(slots: Sequence[ValueSlot]) -> ValueSlot | None:
-    """A slot that reads the first unlocked slot and writes all unlocked ones.
-
-    If all are locked, the first of them, with its reason. None if `slots` is empty.
-    """
+    """A slot that reads the first unlocked slot and writes all unlocked ones; if all are locked, the first of them."""
     free = [slot for slot in slots if not slot.locked]
     if len(free) > 1:
         return _JointSlot(free)

@@ -23,26 +23,20 @@ _ABANDON_TIMEOUT = 10.0  # seconds that an engine may take to end a vibe that wa
 _REQUESTS = messages.Vibe | messages.Glance | messages.Finish | messages.Check
 _ANSWERS = (messages.Result, messages.Glanced, messages.Finished, messages.Checked, messages.Error)
 
+_Listener: TypeAlias = Callable[[messages.Message], None]
 _Item: TypeAlias = messages.Message | schema.VibeError | None  # None: the engine's output has ended
 
 
 class Engine:
-    """The engine's process. It keeps running between vibes, and ends with Blender.
+    """The engine's process, which keeps running between vibes and ends with Blender; `python` is as for `find_python`.
 
-    Methods raise a VibeError if the engine is not found, cannot be started, has another schema, reports an error or has
-    ended.
-
-    Args:
-        python: As for `find_python`.
-        cache: The folder of its cache; None for the user's usual one.
-        listener: Called from a thread with every stage and progress message, also while Blender is busy.
+    Methods raise a VibeError if it is not found, cannot be started, has another schema, reports an error or has ended.
     """
 
-    def __init__(
-        self, python: str = "", cache: Path | None = None, listener: Callable[[messages.Message], None] | None = None
-    ) -> None:
-        self._choice, self._listener = python, listener
-        self._variables = {"VIBE_CACHE": str(cache)} if cache else {}
+    def __init__(self, python: str = "", cache: Path | None = None, listener: _Listener | None = None) -> None:
+        self._choice = python
+        self._listener = listener  # a thread calls it with every stage and progress message, also while Blender is busy
+        self._variables = {"VIBE_CACHE": str(cache)} if cache else {}  # else the user's usual folder
         self.log = errors.log_folder() / f"vibe-engine-{os.getpid()}.log"
         self._process: subprocess.Popen[bytes] | None = None
         self._inbox: queue.Queue[_Item] = queue.Queue()
@@ -65,20 +59,16 @@ class Engine:
                 return
             python = find_python(self._choice)
             self._inbox, self._abandoned, self._busy, self._exit_error = queue.Queue(), False, False, None
+            environment = {**engine_environment(), **self._variables}
             try:
                 with self.log.open("wb") as log:
                     self._process = subprocess.Popen(
                         [python, "-m", "proxy_renderer.engine.worker"],
-                        stdin=subprocess.PIPE,
-                        stdout=subprocess.PIPE,
-                        stderr=log,
-                        env={**engine_environment(), **self._variables},
-                        **own_group(),
-                    )
+                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, env=environment, **own_group(),
+                    )  # fmt: skip
             except OSError as error:
-                raise schema.VibeError(
-                    f"The engine could not be started: {error}.", f"Try {python} by hand."
-                ) from error
+                message = f"The engine could not be started: {error}."
+                raise schema.VibeError(message, f"Try {python} by hand.") from error
             output = cast(BinaryIO, self._process.stdout)
             threading.Thread(target=self._receive, args=(output, self._inbox), daemon=True).start()
             atexit.register(self.stop)
@@ -99,34 +89,44 @@ class Engine:
 
     def poll(self) -> list[messages.Message]:
         """The messages that have arrived since the last call, or the error that the engine reports; never waits."""
-        arrived = []
+        arrived: list[messages.Message] = []
         while True:
             try:
-                arrived.append(self._checked(self._inbox.get_nowait()))
+                item = self._inbox.get_nowait()
             except queue.Empty:
                 return arrived
+            if item is None:
+                raise self._report_exit()
+            if isinstance(item, _ANSWERS):
+                self._busy = False
+            if isinstance(item, schema.VibeError):
+                raise item
+            if isinstance(item, messages.Error):
+                kind = errors.UnexpectedError if item.unexpected else schema.VibeError
+                raise kind(item.message, item.remedy)
+            if isinstance(item, messages.Ready):
+                try:
+                    messages.check_schema(item.schema, "engine")
+                except schema.VibeError:
+                    self.stop()
+                    raise
+            arrived.append(item)
 
     def poll_readings(self) -> messages.Readings | None:
         """The newest `Readings` since the last call, or None; `poll` does not return them."""
         newest = None
-        with contextlib.suppress(queue.Empty):
-            while True:
-                newest = self._readings.get_nowait()
+        while not self._readings.empty():
+            newest = self._readings.get_nowait()
         return newest
 
     def abandon(self) -> None:
-        """Gives up the request that the engine works on, and asks the engine to stop it.
-
-        If an earlier request that was given up has not ended yet, the engine's process is ended.
-        """
-        if not self._busy:
-            return
-        if self._abandoned:
+        """Gives up the request that the engine works on, and asks the engine to stop it."""
+        if self._busy and self._abandoned:  # an earlier request that was given up has not ended yet
             self.stop(patience=0.2)
-            return
-        with contextlib.suppress(schema.VibeError):
-            self.send(messages.Stop())
-            self._abandoned, self._abandoned_at = True, time.monotonic()
+        elif self._busy:
+            with contextlib.suppress(schema.VibeError):
+                self.send(messages.Stop())
+                self._abandoned, self._abandoned_at = True, time.monotonic()
 
     def settle(self) -> bool:
         """Drops messages of an abandoned request; returns whether the next one may be sent. Ends a hanging engine."""
@@ -160,46 +160,25 @@ class Engine:
                     self.log.unlink(missing_ok=True)
                 return
 
-    def _checked(self, item: _Item) -> messages.Message:
-        if item is None:
-            raise self._report_exit()
-        if isinstance(item, _ANSWERS):
-            self._busy = False
-        if isinstance(item, schema.VibeError):
-            raise item
-        if isinstance(item, messages.Error):
-            kind = errors.UnexpectedError if item.unexpected else schema.VibeError
-            raise kind(item.message, item.remedy)
-        if isinstance(item, messages.Ready):
-            try:
-                messages.check_schema(item.schema, "engine")
-            except schema.VibeError:
-                self.stop()
-                raise
-        return item
-
     def _report_exit(self) -> schema.VibeError:
         """The error to raise when the process has ended unexpectedly; always the same one."""
         with self._exit_lock:
-            self._exit_error = self._exit_error or self._describe_exit()
+            if self._exit_error:
+                return self._exit_error
+            code = None
+            if self._process is not None:
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    code = self._process.wait(1.0)
+            self.stop(patience=0.5)
+            log = self.log.read_text(encoding="utf-8", errors="replace") if self.log.exists() else ""
+            lines = log.strip().splitlines() or [""]
+            last = next((line for line in reversed(lines) if re.match(r"\w+(Error|Exception)", line)), lines[-1])
+            last_words = f" Its last words: {last}" if last else ""
+            if code == -9 and not last:
+                last_words = " Something ended it from outside: perhaps memory ran out."
+            message = f"The engine stopped unexpectedly (exit code {code}).{last_words}"
+            self._exit_error = schema.VibeError(message, f"Try again; if it happens again, see {self.log}.")
             return self._exit_error
-
-    def _describe_exit(self) -> schema.VibeError:
-        code = None
-        if self._process is not None:
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                code = self._process.wait(1.0)
-        self.stop(patience=0.5)
-        log = self.log.read_text(encoding="utf-8", errors="replace") if self.log.exists() else ""
-        lines = log.strip().splitlines() or [""]
-        last = next((line for line in reversed(lines) if re.match(r"\w+(Error|Exception)", line)), lines[-1])
-        last_words = f" Its last words: {last}" if last else ""
-        if code == -9 and not last:
-            last_words = " Something ended it from outside: perhaps memory ran out."
-        return schema.VibeError(
-            f"The engine stopped unexpectedly (exit code {code}).{last_words}",
-            f"Try again; if it happens again, see {self.log}.",
-        )
 
     def _receive(self, stream: BinaryIO, inbox: queue.Queue[_Item]) -> None:
         """Sorts arriving messages into inbox and readings until the output ends; then puts None into the inbox."""

@@ -12,7 +12,6 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
 from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,12 +23,8 @@ from ..core.schema_import import schema
 
 _ADDON = Path(__file__).resolve().parents[1]
 ENVIRONMENT_VARIABLE = "VIBE_ENGINE"
-BUILT_FROM = _ADDON / "engine.txt"
-"""File with the path of the Python that built the extension; valid only on the computer of the build."""
-
-CARRIED = _ADDON / "carried"
-"""Folder with the engine's code in a built extension; the environment then has only the packages that the code needs."""
-
+BUILT_FROM = _ADDON / "engine.txt"  # the path of the Python that built the extension, for the computer of the build
+CARRIED = _ADDON / "carried"  # the engine's code in a built extension; the environment has only the packages it needs
 _CLONE = _ADDON.parents[1]
 _NEEDED = ("torch", "open_clip", "trimesh", "PyOpenColorIO", "proxy_renderer")
 _PROBE = f"import sys, importlib.util as u; sys.exit(not all(map(u.find_spec, {_NEEDED})))"
@@ -38,31 +33,34 @@ _HELP = (
     f"virtual environment) and choose that environment's folder there or in {ENVIRONMENT_VARIABLE}."
 )
 
+_INDEX = "the Python Package Index (pypi.org, or the one that your pip uses)"
 _VERSIONS = ((3, 11), (3, 12), (3, 13))  # of Python, for which every package has wheels
-_PROGRESS = re.compile(r"Progress (\d+) of (\d+)")
 _UNREACHABLE = (
     r"NewConnectionError|Temporary failure|Network is unreachable|ConnectTimeout|ProxyError|SSLError|ReadTimeoutError"
 )
-_OUT_OF_REACH = "Check that pip's index can be reached from here, then press Set Up Engine again."
 _AGAIN = (
     "Press Set Up Engine again, or install it by hand (docs/install.md, On the command line) and choose its Folder."
 )
 
 
 def find_python(chosen: str = "") -> Path:
-    """The Python that has the engine; raises VibeError if there is none.
-
-    Args:
-        chosen: A Python, or the folder of its environment; VIBE_ENGINE overrides it. "" searches the usual places.
-    """
+    """The Python that has the engine: the one in `chosen`, if that is not ""; raises VibeError if there is none."""
     chosen = os.environ.get(ENVIRONMENT_VARIABLE, "") or chosen
     if chosen:
         python = python_of(Path(chosen).expanduser())
         if python is None or not has_engine(python):
             raise schema.VibeError(f"There is no Vibe engine in {chosen}.", _HELP)
         return python
-    for python in _likely():
-        if has_engine(python):
+    # Pythons that may have the engine, the most specific first.
+    places: list[Path] = []
+    if BUILT_FROM.is_file():
+        places.append(Path(BUILT_FROM.read_text(encoding="utf-8").strip()))
+    places += [*sorted(_CLONE.glob(".venv*"), reverse=True), Path(sys.executable)]
+    if command := shutil.which("vibe"):
+        places.append(Path(command).resolve().parent)  # pipx and uv link the command to its environment
+    places += [Path(p) for p in map(shutil.which, ("python3", "python")) if p]
+    for python in dict.fromkeys(map(python_of, places)):
+        if python and has_engine(python):
             return python
     raise schema.VibeError("The Vibe engine was not found on this computer.", _HELP)
 
@@ -87,18 +85,6 @@ def has_engine(python: Path) -> bool:
     return done.returncode == 0
 
 
-def _likely() -> Iterator[Path]:
-    """Pythons that may have the engine, the most specific first."""
-    places: list[Path] = []
-    if BUILT_FROM.is_file():
-        places.append(Path(BUILT_FROM.read_text(encoding="utf-8").strip()))
-    places += [*sorted(_CLONE.glob(".venv*"), reverse=True), Path(sys.executable)]
-    if command := shutil.which("vibe"):
-        places.append(Path(command).resolve().parent)  # pipx and uv link the command to its environment
-    places += [Path(p) for p in map(shutil.which, ("python3", "python")) if p]
-    yield from dict.fromkeys(p for p in map(python_of, places) if p)
-
-
 def own_group() -> dict:
     """Arguments of `Popen` for a process that Ctrl-C in Blender's terminal does not reach."""
     if sys.platform == "win32":
@@ -107,10 +93,8 @@ def own_group() -> dict:
 
 
 def python_of(place: Path) -> Path | None:
-    """The Python at a path: an executable, or in an environment's folder or its bin folder; None if there is none.
-
-    Links are not resolved, because they lead out of the environment.
-    """
+    """The Python at a path: an executable, or in an environment's folder or its bin folder; None if there is none."""
+    # Links are not resolved, because they lead out of the environment.
     if place.is_file():
         return place
     names = ("bin/python3", "bin/python", "Scripts/python.exe", "python3", "python", "python.exe")
@@ -121,41 +105,31 @@ def python_of(place: Path) -> Path | None:
 class TorchBuild:
     """One build of torch, and the size of the engine's whole environment with it."""
 
-    key: str
     name: str  # for buttons
     index: str  # address of the package index that has it; "" for pip's default index
     download: float  # of all packages, GB
     disk: float  # disk space that they take, GB
 
 
-CPU = TorchBuild("CPU", "Processor", "https://download.pytorch.org/whl/cpu", 0.3, 1.1)
-CUDA = TorchBuild("CUDA", "NVIDIA Card", "", 2.5, 5.8)
-USUAL = TorchBuild("USUAL", "Usual", "", 0.3, 1.1)
-"""The only build for Windows and macOS: the Python Package Index has no CUDA libraries for them."""
+CPU = TorchBuild("Processor", "https://download.pytorch.org/whl/cpu", 0.3, 1.1)
+CUDA = TorchBuild("NVIDIA Card", "", 2.5, 5.8)
+USUAL = TorchBuild("Usual", "", 0.3, 1.1)  # for Windows and macOS, for which PyPI has no CUDA libraries
 
 
-def choices() -> tuple[TorchBuild, ...]:
-    """The builds that exist for this operating system."""
-    return (CPU, CUDA) if sys.platform == "linux" else (USUAL,)
+def choices() -> dict[str, TorchBuild]:
+    """The builds that exist for this operating system, by key."""
+    return {"CPU": CPU, "CUDA": CUDA} if sys.platform == "linux" else {"USUAL": USUAL}
 
 
-def suggested() -> TorchBuild:
-    """The build that suits this computer."""
-    return choices()[-1] if has_nvidia_card() else choices()[0]
-
-
-def by_key(key: str) -> TorchBuild:
-    """The build with this key."""
-    return next(build for build in choices() if build.key == key)
+def suggested() -> str:
+    """The key of the build that suits this computer."""
+    return list(choices())[-1 if has_nvidia_card() else 0]
 
 
 def has_nvidia_card(root: Path = Path("/")) -> bool:
     """True if this is Linux with a card that NVIDIA's own driver runs; other drivers cannot run CUDA."""
     cards = (root / "proc/driver/nvidia/gpus").glob("*")
     return any(cards) or (root / "usr/lib/wsl/lib/libcuda.so.1").is_file()  # in WSL
-
-
-_INDEX = "the Python Package Index (pypi.org, or the one that your pip uses)"
 
 
 def download_text(build: TorchBuild, folder: Path) -> list[str]:
@@ -179,10 +153,8 @@ def requirements() -> list[str]:
     try:
         lines = (CARRIED / "requirements.txt").read_text(encoding="utf-8").splitlines()
     except OSError as error:
-        raise schema.VibeError(
-            "This copy of the add-on does not carry the engine.",
-            "Run `pip install .` in the clone that it is part of, or install the built extension.",
-        ) from error
+        remedy = "Run `pip install .` in the clone that it is part of, or install the built extension."
+        raise schema.VibeError("This copy of the add-on does not carry the engine.", remedy) from error
     return [line for line in lines if line]
 
 
@@ -197,16 +169,8 @@ class EngineSetup:
         self._process: subprocess.Popen[str] | None = None
         self._canceled = False
         atexit.register(self.cancel)
-        self._work: Future[None] = background.begin(self._make)
-
-    @property
-    def running(self) -> bool:
-        """True while the environment is being made."""
-        return not self._work.done()
-
-    def finish(self) -> None:
-        """Waits for the end; raises VibeError if the environment could not be made or `cancel` was called."""
-        self._work.result()
+        # Its result raises VibeError if the environment could not be made, or if `cancel` was called.
+        self.work: Future[None] = background.begin(self._make)
 
     def cancel(self) -> None:
         """Ends the setup; what it has installed is deleted soon after."""
@@ -226,10 +190,9 @@ class EngineSetup:
             place = next(parent for parent in self.folder.absolute().parents if parent.is_dir())
             free, needed = shutil.disk_usage(place).free / 1e9, self._build.disk
             if free < needed:
-                raise schema.VibeError(
-                    f"There is not enough room on the disk: {free:.1f} GB are free, the engine takes {needed:.1f} GB.",
-                    f"Make room on the disk of {place}.",
-                )
+                room = f"{free:.1f} GB are free, the engine takes {needed:.1f} GB"
+                message = f"There is not enough room on the disk: {room}."
+                raise schema.VibeError(message, f"Make room on the disk of {place}.")
             self._run("Making a Python environment", _python(), "-m", "venv", self._part)
             self._install()
             self.text, self.fraction = "Checking", None
@@ -284,7 +247,7 @@ class EngineSetup:
 
     def _follow(self, line: str) -> None:
         """Updates `text` and `fraction` from a line of pip's output."""
-        if match := _PROGRESS.match(line):
+        if match := re.match(r"Progress (\d+) of (\d+)", line):
             done, whole = map(int, match.groups())
             self.fraction = done / whole if whole else None
         elif match := re.match(r"\s*Downloading (?:\S+/)?(\S+?)-(\d\S*?)(?:-\S+)? \((.+)\)", line):
@@ -314,10 +277,8 @@ def _python() -> Path:
             done = subprocess.run([name, "-c", probe], capture_output=True, timeout=60, env=_environment())
             if done.returncode == 0:
                 return Path(name)
-    raise schema.VibeError(
-        "No Python on this computer can make an environment.",
-        "Install Python 3.13 with its venv module (on Debian and Ubuntu: apt install python3-venv).",
-    )
+    remedy = "Install Python 3.13 with its venv module (on Debian and Ubuntu: apt install python3-venv)."
+    raise schema.VibeError("No Python on this computer can make an environment.", remedy)
 
 
 def _environment() -> dict[str, str]:
@@ -332,11 +293,12 @@ def _failure(text: str, lines: collections.deque[str]) -> schema.VibeError:
         return schema.VibeError("There is not enough room on the disk.", "Make room, then try again.")
     if re.search(_UNREACHABLE, output):
         host = re.search(r"host='([^']+)'", output)
-        return schema.VibeError(
-            f"{host[1] if host else 'The package index'} cannot be reached.",
-            "Check the network (a proxy or firewall may have to let it through), then try again.",
-        )
+        message = f"{host[1] if host else 'The package index'} cannot be reached."
+        remedy = "Check the network (a proxy or firewall may have to let it through), then try again."
+        return schema.VibeError(message, remedy)
     errors = [line.removeprefix("ERROR: ") for line in lines if line.startswith("ERROR")]
     last = next(reversed(errors), next((line for line in reversed(lines) if line), "it said nothing"))
-    remedy = _OUT_OF_REACH if "No matching distribution" in output else _AGAIN
+    remedy = _AGAIN
+    if "No matching distribution" in output:
+        remedy = "Check that pip's index can be reached from here, then press Set Up Engine again."
     return schema.VibeError(f"{text} failed: {last[:200].rstrip('.')}.", remedy)

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A look as assets for Blender's Asset Browser: materials, world, light rig, grade and fog, in a .blend of their own.
-
-Copies of the data-blocks are written and then removed: the open file stays as it is.
-"""
+"""A look as assets for Blender's Asset Browser: materials, world, light rig, grade and fog, in a .blend of their own."""
 
 from __future__ import annotations
 
@@ -16,7 +13,7 @@ from typing import Any
 import bmesh
 import bpy
 import numpy as np
-from bpy.types import ID, Material, Scene
+from bpy.types import ID, Material
 from mathutils import Matrix, Vector
 
 from ..core import compat, rendered
@@ -30,8 +27,7 @@ from . import thumbnail
 
 CATALOG_FILE = "blender_assets.cats.txt"
 _VERSION = "VERSION 1"
-_SPACE = uuid.UUID("5b1f2a86-6f0c-4f6e-9a43-2f5d8b0c7e11")
-"""The UUID namespace of Vibe Render's catalogs: a catalog path has the same id in every library."""
+_SPACE = uuid.UUID("5b1f2a86-6f0c-4f6e-9a43-2f5d8b0c7e11")  # a catalog path has the same id in every library
 _BALL_SAMPLES = 48
 _TOP = "Vibe Render"
 
@@ -42,16 +38,13 @@ def catalog_identifier(path: str) -> str:
 
 
 def catalog_root(folder: Path, libraries: Iterable[str]) -> Path:
-    """The folder whose catalog file Blender reads for a .blend in `folder`.
-
-    It is the asset library (one of the paths `libraries`) that contains `folder`. Without such a library it is the
-    nearest folder, from `folder` upward, that has a catalog file, or else `folder`.
-    """
+    """The folder whose catalog file Blender reads for a .blend in `folder`; `libraries`: paths of asset libraries."""
     folder = folder.resolve()
     for library in filter(None, libraries):
         place = Path(library).resolve()
         if place == folder or place in folder.parents:
             return place
+    # Outside of every library: the nearest folder, from this one upward, that has a catalog file.
     return next((place for place in (folder, *folder.parents) if (place / CATALOG_FILE).is_file()), folder)
 
 
@@ -66,63 +59,46 @@ def add_catalogs(place: Path, paths: Iterable[str]) -> None:
         present = {line.partition(":")[0] for line in lines}
         rows = [f"{catalog_identifier(path)}:{path}:{path.replace('/', '-')}" for path in paths]
         missing = [row for row in rows if row.partition(":")[0] not in present]
-        if not missing:
-            return
-        with whole(file) as part:
-            part.write_text(text.rstrip("\n") + "\n" + "\n".join(missing) + "\n", encoding="utf-8")
+        if missing:
+            with whole(file) as part:
+                part.write_text(text.rstrip("\n") + "\n" + "\n".join(missing) + "\n", encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise schema.VibeError(f"{file} cannot be changed: {error}.", "Choose another folder.") from error
 
 
 def _material_balls(materials: Sequence[Material]) -> list[np.ndarray]:
-    """Small Cycles renders of a ball, one with each material, as `bake.read_file` returns them.
-
-    The data-blocks that this needs are removed from the open file.
-    """
-    before = _all_blocks()
+    """Small Cycles renders of a ball, one with each material, as `bake.read_file` returns them."""
+    kinds = {"SCENE", "OBJECT", "MESH", "LIGHT", "CAMERA", "WORLD", "MATERIAL"}  # those that this adds
+    before = set(bpy.data.user_map(key_types=kinds))
     try:
-        scene, ball = _ball_stage()
+        # A ball under two area lights and a gray world, on a transparent background.
+        scene = bpy.data.scenes.new("Vibe Preview")
+        scene.render.resolution_x = scene.render.resolution_y = thumbnail.SIZE
+        scene.render.film_transparent = True
+        scene.view_settings.view_transform = "Standard"
+        mesh = bpy.data.meshes.new("Vibe Preview")
+        shape = bmesh.new()
+        shape.loops.layers.uv.new()
+        bmesh.ops.create_uvsphere(shape, u_segments=64, v_segments=32, radius=1.0, calc_uvs=True)
+        shape.to_mesh(mesh)
+        shape.free()
+        mesh.shade_smooth()
+        mesh.materials.append(None)
+        scene.collection.objects.link(bpy.data.objects.new("Vibe Preview", mesh))
+        corners, middle = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * 0.62, np.zeros(3)
+        framing_camera(scene, corners, (0.0, 12.0), fov=30.0, fill=0.92)
+        area_light(scene, "Vibe Preview", (-45.0, 40.0), 4.0, 2.0, 0.9, middle)
+        area_light(scene, "Vibe Preview", (140.0, 30.0), 4.0, 1.5, 0.8, middle)
+        plain_world(scene, (0.5, 0.5, 0.5), strength=0.35)
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             pictures, path = [], Path(folder) / "ball.png"
             for material in materials:
-                ball.data.materials[0] = material
+                mesh.materials[0] = material
                 final_render.render_picture(scene, path, thumbnail.SIZE, _BALL_SAMPLES)
                 pictures.append(bake.read_file(path))
             return pictures
     finally:
-        bpy.data.batch_remove(_all_blocks() - before)
-
-
-def _all_blocks() -> set[ID]:
-    """All data-blocks of the file that are of the kinds that `_ball_stage` adds."""
-    data = bpy.data
-    kinds = (data.scenes, data.objects, data.meshes, data.lights, data.cameras, data.worlds, data.materials)
-    return {block for kind in kinds for block in kind}
-
-
-def _ball_stage() -> tuple[Scene, bpy.types.Object]:
-    """A scene with a ball under two area lights and a gray world, on a transparent background; and the ball."""
-    scene = bpy.data.scenes.new("Vibe Preview")
-    scene.render.resolution_x = scene.render.resolution_y = thumbnail.SIZE
-    scene.render.film_transparent = True
-    scene.view_settings.view_transform = "Standard"
-    mesh = bpy.data.meshes.new("Vibe Preview")
-    shape = bmesh.new()
-    shape.loops.layers.uv.new()
-    bmesh.ops.create_uvsphere(shape, u_segments=64, v_segments=32, radius=1.0, calc_uvs=True)
-    shape.to_mesh(mesh)
-    shape.free()
-    mesh.shade_smooth()
-    mesh.materials.append(None)
-    ball = bpy.data.objects.new("Vibe Preview", mesh)
-    scene.collection.objects.link(ball)
-    middle = np.zeros(3)
-    framing_camera(scene, np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * 0.62,
-                       (0.0, 12.0), fov=30.0, fill=0.92)  # fmt: skip
-    area_light(scene, "Vibe Preview", (-45.0, 40.0), 4.0, 2.0, 0.9, middle)
-    area_light(scene, "Vibe Preview", (140.0, 30.0), 4.0, 1.5, 0.8, middle)
-    plain_world(scene, (0.5, 0.5, 0.5), strength=0.35)
-    return scene, ball
+        bpy.data.batch_remove(set(bpy.data.user_map(key_types=kinds)) - before)
 
 
 @dataclass
@@ -137,8 +113,7 @@ class _Crate:
         """Names a copy after the look, and lists it in `copies`, which are removed after the export."""
         self.copies.append(block)
         block.name = f"{self.name} {name}"
-        if owned.MARK in block:  # an asset in another file is the artist's, not Vibe Render's
-            del block[owned.MARK]
+        block.pop(owned.MARK, None)  # an asset in another file is the artist's, not Vibe Render's
         return block
 
     def mark(self, block: ID, catalog: str, words: str) -> None:
@@ -153,36 +128,36 @@ class _Crate:
 def export_assets(
     analysis: SceneAnalysis, name: str, words: str, materials: Iterable[Material], path: Path, picture: Path
 ) -> list[str]:
-    """Writes the look of a scene as assets to a .blend; returns their names.
+    """Writes the look of a scene as assets to a .blend, `path`; returns their names, which begin with the look's `name`.
 
-    Args:
-        name: The look's title, with which the assets' names begin.
-        words: Description of every asset.
-        materials: Materials that become assets.
-        path: Where the .blend is written.
-        picture: An image of the look: the preview of every asset that is no material.
-
-    Raises:
-        VibeError: The scene has nothing to export, or a file cannot be written.
+    `words` describe each asset. `picture`, an image of the look, is the preview of those that are no material. Raises
+    VibeError if the scene has nothing to export, or if a file cannot be written.
     """
-    crate = _Crate(name)
+    crate = _Crate(name)  # its copies are written and then removed: the open file stays as it is
     try:
         surfaces = [crate.keep(material.copy(), material.name) for material in materials]
         for surface in surfaces:
             crate.mark(surface, "Materials", words)
         if world := rendered.world(analysis.scene):
             crate.mark(crate.keep(world.copy(), "World"), "Worlds", words)
-        for pack in (_rig, _grade, _fog):
-            pack(crate, analysis, words)
+        _pack_rig(crate, analysis, words)
+        for node in owned.group_nodes(compat.compositor(analysis.scene), grade.NAME)[:1]:
+            twin = crate.keep(node.node_tree.copy(), "Grade")
+            for item in twin.interface.items_tree:  # the scene's values become the default values
+                if item.item_type == "SOCKET" and item.in_out == "INPUT" and item.name != "Image":
+                    item.default_value = node.inputs[item.name].default_value
+            crate.mark(twin, "Grades", words)
+        fog = owned.find_owned(analysis.scene.objects, owned.FOG)
+        if fog is not None and not fog.hide_render:
+            crate.mark(crate.keep(fog.data.materials[0].copy(), "Fog"), "Fogs", words)
         if not crate.assets:
             raise schema.VibeError("There is nothing to export.", "Vibe the scene first, or apply a preset.")
         # Previews: a material has a render of its ball, every other asset the image of the look.
         look = bake.read_file(picture)
         pictures = dict(zip(surfaces, _material_balls(surfaces), strict=True))
         for block, _ in crate.assets:
-            pixels = pictures.get(block, look)
-            preview = block.preview_ensure()
-            preview.image_size = (pixels.shape[1], pixels.shape[0])
+            pixels, preview = pictures.get(block, look), block.preview_ensure()
+            preview.image_size = pixels.shape[1::-1]
             preview.image_pixels_float.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
         # Write the copies to the .blend, and their catalogs to the asset library that contains it.
         blocks = {block for block, _ in crate.assets}
@@ -196,7 +171,7 @@ def export_assets(
         bpy.data.batch_remove(crate.copies)
 
 
-def _rig(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
+def _pack_rig(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
     """Packs copies of the lights in a collection; its origin is the bottom center of the subject's bounding box."""
     lights = rendered.lights(analysis.scene)
     if not lights:
@@ -211,20 +186,3 @@ def _rig(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
         twin.matrix_world = foot @ light.matrix_world
         rig.objects.link(twin)
     crate.mark(rig, "Light Rigs", words)
-
-
-def _grade(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
-    """Packs the node group of the grade; the scene's values become the default values of its inputs."""
-    for node in owned.group_nodes(compat.compositor(analysis.scene), grade.NAME)[:1]:
-        twin = crate.keep(node.node_tree.copy(), "Grade")
-        for item in twin.interface.items_tree:
-            if item.item_type == "SOCKET" and item.in_out == "INPUT" and item.name != "Image":
-                item.default_value = node.inputs[item.name].default_value
-        crate.mark(twin, "Grades", words)
-
-
-def _fog(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
-    """Packs the material of the fog box, if the box is rendered."""
-    box = owned.find_owned(analysis.scene.objects, owned.FOG)
-    if box is not None and not box.hide_render:
-        crate.mark(crate.keep(box.data.materials[0].copy(), "Fog"), "Fogs", words)

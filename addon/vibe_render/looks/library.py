@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The preset library: the presets that come with Vibe Render, and the artist's own in a folder for them.
 
-A preset is NAME.json with an image NAME.jpg next to it. Other files in the folders are never touched. Functions raise
-VibeError if a file cannot be read or written, if a preset is broken, or if a shipped preset is to be changed.
+A preset is NAME.json with an image NAME.jpg next to it. Functions raise VibeError if a file cannot be read or written, if
+a preset is broken, or if a shipped preset is to be changed.
 """
 
 from __future__ import annotations
@@ -20,13 +20,8 @@ from ..core.files import whole
 from ..core.schema_import import preset, schema
 from . import thumbnail, transfer
 
-SHIPPED = Path(__file__).parent / "shipped"
-"""The folder of the presets that come with Vibe Render."""
-
-PICTURE = thumbnail.SUFFIX
-
+SHIPPED = Path(__file__).parent / "shipped"  # the folder of the presets that come with Vibe Render
 _LARGEST_PICTURE = 4_000_000  # bytes; shipped images have about 5000
-_JPEG = b"\xff\xd8\xff"
 
 
 @dataclass(frozen=True)
@@ -34,18 +29,10 @@ class Look:
     """A preset in the library. If its file cannot be read, `preset` is None, and `problem` is the reason."""
 
     path: Path
-    preset: preset.Preset | None
+    name: str  # in lists: its title, or else the file's name
+    preset: preset.Preset | None = None
+    prompt: str = ""  # that the preset was made with; "" if there is none
     problem: str = ""
-
-    @property
-    def name(self) -> str:
-        """The preset's name in lists: its title, or else the file's name."""
-        return (self.preset and self.preset.name) or self.path.stem
-
-    @property
-    def prompt(self) -> str:
-        """The prompt that the preset was made with; "" if there is none."""
-        return self.preset.prompt if self.preset else ""
 
     @property
     def shipped(self) -> bool:
@@ -55,41 +42,30 @@ class Look:
     @property
     def picture(self) -> Path:
         """The path of the preset's image, which may not exist."""
-        return self.path.with_suffix(PICTURE)
-
-    def matches(self, words: str) -> bool:
-        """True if name or prompt contains each of the words, also as a part of a word. Case is ignored."""
-        text = f"{self.name} {self.prompt}".casefold()
-        return all(word in text for word in words.casefold().split())
+        return self.path.with_suffix(thumbnail.SUFFIX)
 
 
-def preset_folder(create: bool = False) -> Path:
-    """The folder of the artist's own presets; `create` makes it if it is missing.
-
-    It is among Blender's presets, because uninstalling deletes the extension's own folder.
-    """
-    folder = Path(bpy.utils.user_resource("SCRIPTS", path="presets/vibe_render"))
-    if create:
-        with contextlib.suppress(OSError):  # writing a file there reports the reason
-            folder.mkdir(parents=True, exist_ok=True)
-    return folder
+def preset_folder() -> Path:
+    """The folder of the artist's own presets, which may not exist."""
+    # It is among Blender's presets, because uninstalling deletes the extension's own folder.
+    return Path(bpy.utils.user_resource("SCRIPTS", path="presets/vibe_render"))
 
 
 def all_looks(words: str = "") -> list[Look]:
-    """The artist's own presets by name, then the shipped ones; only those that match words (see `Look.matches`)."""
-    all_looks: list[Look] = []
+    """The artist's own presets by name, then the shipped ones; only those whose name or prompt contains each word."""
+    looks: list[Look] = []
     for place in (preset_folder(), SHIPPED):
         theirs = [_read(path, *_stamp(path)) for path in place.glob("[!.]*.json")]
-        all_looks += sorted(theirs, key=lambda look: (look.name.casefold(), look.path.name))
-    return [look for look in all_looks if look.matches(words)]
+        looks += sorted(theirs, key=lambda look: (look.name.casefold(), look.path.name))
+    parts = words.casefold().split()
+    return [look for look in looks if all(part in f"{look.name} {look.prompt}".casefold() for part in parts)]
 
 
 def preset_named(preset_: str) -> preset.Preset:
     """The preset that the command line names by a file's path or a name in the library."""
     path = Path(preset_).expanduser()
-    if path.suffix == ".json" or path.is_file():
-        return transfer.load_preset(path)
-    return transfer.load_preset(find_preset(preset_).path)
+    is_path = path.suffix == ".json" or path.is_file()
+    return transfer.load_preset(path if is_path else find_preset(preset_).path)
 
 
 def find_preset(name: str) -> Look:
@@ -105,10 +81,10 @@ def find_preset(name: str) -> Look:
 
 def preset_at(path: str) -> Look:
     """The preset at a path of the library; a VibeError if it is gone."""
-    look = next((look for look in all_looks() if str(look.path) == path), None)
-    if look is None:
-        raise schema.VibeError("That preset is gone.", "Choose another.")
-    return look
+    for look in all_looks():
+        if str(look.path) == path:
+            return look
+    raise schema.VibeError("That preset is gone.", "Choose another.")
 
 
 def path_for(place: Path, name: str) -> Path:
@@ -118,20 +94,14 @@ def path_for(place: Path, name: str) -> Path:
     return place / f"{words or 'look'}.json"
 
 
-def save_preset(look: preset.Preset, picture: Path | None = None) -> Look:
-    """Adds a preset and its JPEG to the artist's own; the name gets a number if it is taken."""
-    return _write(preset_folder(create=True), look, picture)
-
-
 def rename_preset(look: Look, name: str) -> Look:
     """Gives one of the artist's presets another name, with a number if another preset has that name."""
-    name = preset.title(name)
-    if not name:
+    if not (name := preset.title(name)):
         raise schema.VibeError("A preset needs a name.", "Type one.")
     _check_own(look)
     if look.preset is None:
         raise schema.VibeError(look.problem, "Delete it, or correct the file.")
-    renamed = _write(look.path.parent, replace(look.preset, name=name), look.picture, look.path)
+    renamed = save_preset(replace(look.preset, name=name), look.picture, look.path)
     if renamed.path != look.path:
         delete_preset(look)
     return renamed
@@ -150,7 +120,7 @@ def delete_preset(look: Look) -> None:
 def import_preset(path: Path) -> Look:
     """Copies a preset file into the artist's own presets."""
     look = transfer.load_preset(path)
-    return save_preset(replace(look, name=look.name or preset.title(path.stem)), path.with_suffix(PICTURE))
+    return save_preset(replace(look, name=look.name or preset.title(path.stem)), path.with_suffix(thumbnail.SUFFIX))
 
 
 def export_preset(look: Look, path: Path) -> None:
@@ -170,24 +140,25 @@ def _stamp(path: Path) -> tuple[int, int]:
     """Modification time and size: they change when the file does."""
     try:
         status = path.stat()
+        return status.st_mtime_ns, status.st_size
     except OSError:
         return 0, 0
-    return status.st_mtime_ns, status.st_size
 
 
 @lru_cache(maxsize=1000)  # panels ask many times a second
 def _read(path: Path, _time: int, _size: int) -> Look:
     try:
-        return Look(path, transfer.load_preset(path))
+        found = transfer.load_preset(path)
+        return Look(path, found.name or path.stem, found, found.prompt)
     except schema.VibeError as error:
-        return Look(path, None, str(error))
+        return Look(path, path.stem, problem=str(error))
 
 
-def _write(place: Path, look: preset.Preset, picture: Path | None, instead: Path | None = None) -> Look:
-    """Writes a preset to the file for its name, with a number if another preset, own or shipped, has that name.
-
-    `instead` is the file that the preset may overwrite: its name does not count as taken.
-    """
+def save_preset(look: preset.Preset, picture: Path | None = None, instead: Path | None = None) -> Look:
+    """Adds a preset and its JPEG to the artist's own; a name that is taken, but not by the file `instead`, gets a number."""
+    place = preset_folder()
+    with contextlib.suppress(OSError):  # writing a file there reports the reason
+        place.mkdir(parents=True, exist_ok=True)
     path, number, name = path_for(place, look.name), 1, look.name
     while (SHIPPED / path.name).exists() or not (path == instead or _claimed(path)):
         number += 1
@@ -213,15 +184,12 @@ def _claimed(path: Path) -> bool:
 
 
 def _put(path: Path, look: preset.Preset, picture: Path | None) -> None:
-    """Writes a preset and its image, each file whole or not at all: another Blender may read the folder.
-
-    An image that is no JPEG, or is too large, is left out.
-    """
-    picture_path = path.with_suffix(PICTURE)
+    """Writes a preset and its image, each file whole or not at all: another Blender may read the folder."""
+    copy = path.with_suffix(thumbnail.SUFFIX)
     with whole(path, "Check the folder.") as part:
         part.write_text(look.dumps() + "\n", encoding="utf-8")
-        if picture and picture != picture_path and picture.is_file():
-            data = picture.read_bytes() if picture.stat().st_size <= _LARGEST_PICTURE else b""
-            if data.startswith(_JPEG):
-                with whole(picture_path) as copied:
+        if picture and picture != copy and picture.is_file() and picture.stat().st_size <= _LARGEST_PICTURE:
+            data = picture.read_bytes()
+            if data.startswith(b"\xff\xd8\xff"):  # a JPEG; others are left out
+                with whole(copy) as copied:
                     copied.write_bytes(data)

@@ -31,20 +31,15 @@ def neutral_grade() -> dict[str, tuple[float, ...]]:
     return {p.name: (p.default,) * p.components for p in rows}
 
 
-def graded_colors(colors: np.ndarray, values: Mapping[str, Sequence[float]], below_black: bool = False) -> np.ndarray:
-    """Applies the grade to colors (N, 3), scene-linear Rec.709, at least 0.
-
-    Args:
-        values: By name ("contrast", …), in the schema's units; missing ones are neutral.
-        below_black: Keep negative values that saturation gives, unless hue or gamma change: these need values of at least 0.
-    """
+def graded_colors(colors: np.ndarray, values: Mapping[str, Sequence[float]]) -> np.ndarray:
+    """Colors (N, 3), scene-linear Rec.709, at least 0, with a grade, whose missing values are neutral; may be below 0."""
     v = {name: np.array(values.get(name, neutral)) for name, neutral in neutral_grade().items()}
     c = colors * 2.0 ** v["grade_exposure"]
     c = np.maximum(((c - 1.0) * (2.0 - v["lift"]) + 1.0) * v["gain"], 0.0) ** (1.0 / v["midtone"])
     c = _MIDDLE * (c / _MIDDLE) ** v["contrast"]
     luma = (c @ LUMA)[:, None]
     c = luma + (c - luma) * v["saturation"]
-    if below_black and v["hue"] == 0.0 and v["grade_gamma"] == 1.0:
+    if v["hue"] == 0.0 and v["grade_gamma"] == 1.0:  # these alone need values of at least 0
         return c
     return _turned(np.maximum(c, 0.0), v["hue"] / 60.0) ** v["grade_gamma"]
 
@@ -58,14 +53,6 @@ def _turned(c: np.ndarray, sixths: np.ndarray) -> np.ndarray:
     return brightest - chroma * np.clip(away - 1.0, 0.0, 1.0)
 
 
-def grade_table(values: Mapping[str, Sequence[float]]) -> np.ndarray:
-    """Graded colors of a regular grid over the sRGB cube: (SIZE³, 3) sRGB, not clipped, red changing fastest."""
-    steps = np.linspace(0.0, 1.0, SIZE)
-    blue, green, red = np.meshgrid(steps, steps, steps, indexing="ij")
-    colors = to_linear(np.stack([red, green, blue], -1).reshape(-1, 3))
-    return to_srgb(graded_colors(colors, values, below_black=True))
-
-
 def write_cube(path: Path, name: str, values: Mapping[str, Sequence[float]]) -> None:
     """Writes a .cube file, whole or not at all; raises a VibeError if it cannot be written."""
     title = "".join(c for c in name if c.isprintable() and c != '"')
@@ -74,7 +61,11 @@ def write_cube(path: Path, name: str, values: Mapping[str, Sequence[float]]) -> 
         "# Without vignette, bloom and view transform: for pictures rendered with the view Standard.\n"
         f'TITLE "{title}"\nLUT_3D_SIZE {SIZE}\n'
     )
-    rows = grade_table(values)
+    # Graded colors of a regular grid over the sRGB cube: (SIZE³, 3) sRGB, not clipped, red changing fastest.
+    steps = np.linspace(0.0, 1.0, SIZE)
+    blue, green, red = np.meshgrid(steps, steps, steps, indexing="ij")
+    colors = to_linear(np.stack([red, green, blue], -1).reshape(-1, 3))
+    rows = to_srgb(graded_colors(colors, values))
     with whole(path) as part, part.open("w", encoding="utf-8", newline="\n") as file:
         file.write(head)
         file.write("%.6f %.6f %.6f\n" * len(rows) % tuple(rows.ravel().tolist()))

@@ -17,7 +17,6 @@ from ..render import bake, final_render
 
 SIZE = 128  # pixels
 SUFFIX = ".jpg"
-_QUALITY = 92
 _SAMPLES = 48
 
 
@@ -45,4 +44,4 @@ def save_thumbnail(picture: Path, out: Path) -> None:
         small.pixels.foreach_set(middle.ravel())
         small.scale(SIZE, SIZE)
         small.filepath_raw, small.file_format = str(part), "JPEG"
-        small.save(quality=_QUALITY)
+        small.save(quality=92)

@@ -25,14 +25,14 @@ from ..scene.nodes import grade, owned
 from ..scene.subject import SubjectChoice, remember_subject
 from . import lut
 
-SceneParameters = SceneJob | reading.SceneReading
-"""An exported scene, or one that was only read: both have parameters by key (`instances`) and an analysis."""
+_Values = Mapping[str, Sequence[float]]  # by key
+SceneParameters = SceneJob | reading.SceneReading  # both have parameters by key (`instances`) and an analysis
 
 _TEXTURE_LUMA = 0.5  # luma of a typical texture: a color divided by it tints the texture to about that color
 _DIM = 0.01  # radiance of a white surface in its light, below which a light is not added
 _PROMINENT = 0.5  # share of the visible area of the subject's largest material; see `fit_look`
+# Color that a texture may replace -> the parameter that tints the texture.
 _TINTS = {"base_color": "tint", "color": "tint", "backdrop_color": "backdrop_tint"}
-"""Color that a texture may replace -> the parameter that tints the texture."""
 _UNNOTED = {"distance", "backdrop_horizon"}  # suns have no distance, images their own horizon: no line
 
 
@@ -45,25 +45,14 @@ def load_preset(path: Path) -> preset.Preset:
             raise schema.VibeError(f"{path.name} is too large for a preset.", "Choose a preset file.")
         return preset.loads(content.decode("utf-8"))
     except (OSError, UnicodeDecodeError) as error:
-        raise schema.VibeError(
-            f"{path} cannot be read: {getattr(error, 'strerror', None) or error}.", "Check the path."
-        ) from error
+        reason = getattr(error, "strerror", None) or error
+        raise schema.VibeError(f"{path} cannot be read: {reason}.", "Check the path.") from error
 
 
 def extract_look(
-    prompt: str,
-    scene: SceneParameters,
-    values: Mapping[str, Sequence[float]],
-    name: str = "",
-    goals: dict[str, Any] | None = None,
+    prompt: str, scene: SceneParameters, values: _Values, name: str = "", goals: dict[str, Any] | None = None
 ) -> preset.Preset:
-    """A preset of the look that a vibe gave a scene.
-
-    Args:
-        values: The values that the vibe has changed, by key.
-        name: The preset's title; "" for the prompt's first words.
-        goals: The vibe's goals, kept in the preset.
-    """
+    """A preset, titled `name`, of the look that a vibe gave a scene: the values that it has changed, and its goals."""
     roles: dict[str, list[preset.Entry]] = {}
     kinds: dict[str, list[str]] = {}
     for role, group in preset.ROLES.items():
@@ -76,14 +65,12 @@ def extract_look(
 
 
 def role_owners(scene: SceneParameters, role: str) -> list[str]:
-    """Names, as in keys, of the materials or lights that have one of `preset.ROLES`; [""] for roles of other groups.
-
-    The material with the largest visible area, or the brightest light, comes first.
-    """
+    """Names, as in keys, of the materials or lights that have one of `preset.ROLES`; [""] for roles of other groups."""
     group = preset.ROLES[role]
     if group not in ("material", "light"):
         return [""]
     theirs = {i.owner for i in scene.instances.values() if i.parameter.group == group and i.role == role}
+    # The material with the largest visible area, or the brightest light, comes first.
     order = visible_areas(scene.analysis) if group == "material" else {o: _brightness(scene, o) for o in theirs}
     return sorted(theirs, key=lambda owner: (-order.get(owner, 0), owner))
 
@@ -115,17 +102,14 @@ def _kind(light: str) -> str:
     return schema.added_lights.ADDED_LIGHTS[light].type
 
 
-def _entry(scene: SceneParameters, group: str, owner: str, values: Mapping[str, Sequence[float]]) -> preset.Entry:
-    """The changed values of one owner, by parameter name, as multiples of the scene's reference lengths.
-
-    A light's azimuth is counted from the camera's, -180 to 180 degrees.
-    """
+def _entry(scene: SceneParameters, group: str, owner: str, values: _Values) -> preset.Entry:
+    """The changed values of one owner, by parameter name, as multiples of the scene's reference lengths."""
     entry = {}
     for name in (p.name for p in schema.PARAMETERS if p.group == group):
         key = schema.FAMILIES[f"{group}/{name}"].key(owner)
         if key in values and key in scene.instances:
             entry[name] = [v / scene.instances[key].reference for v in values[key]]
-            if group == "light" and name == "azimuth":
+            if group == "light" and name == "azimuth":  # from the camera's, -180 to 180 degrees
                 camera = values.get("camera/azimuth", [camera_azimuth(scene)])[0]
                 entry[name] = [(entry[name][0] - camera + 180.0) % 360.0 - 180.0]
     return preset.clamped(group, entry)
@@ -140,11 +124,7 @@ class Fit:
 
 
 def fit_look(look: preset.Preset, target: SceneParameters) -> Fit:
-    """Fits a preset to a scene.
-
-    If the scene has more materials or lights of a role than the preset has entries, the others get the last entry.
-    If the scene has no light of a role, the values belong to a light that will be added.
-    """
+    """Fits a preset to a scene; values for a light that the scene lacks belong to a light that will be added."""
     result = Fit()
     for role, entries in look.roles.items():
         group, theirs = preset.ROLES[role], role_owners(target, role)
@@ -159,7 +139,7 @@ def fit_look(look: preset.Preset, target: SceneParameters) -> Fit:
             theirs = [owner for owner in theirs if owner not in small]
             result.rest += [f"{owner}: shows too little to be what the look is about" for owner in small]
         for place, owner in enumerate(theirs if entries else ()):
-            index = min(place, len(entries) - 1)
+            index = min(place, len(entries) - 1)  # further materials or lights get the last entry
             entry = entries[index]
             if group == "light":
                 entry = _for_light(entry, kinds[index], type_of(bpy.data.objects[owner]).name)
@@ -184,25 +164,20 @@ def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entr
     if "power" not in entry or ours in bpy.data.objects:
         if entry:
             result.rest.append(f"{_words(role)}: this scene has none")
-        return
-    if schema.radiometry.radiance(prepare.LIGHT_TYPE, entry["power"][0]) < _DIM:
-        return
-    corners = scene_context.bounds(target.analysis.scene, target.analysis.objects)
-    distance = prepare.added_light_distance(*corners)
-    lengths = scene_context.light_lengths(distance)
-    for name, value in entry.items():
-        parameter = schema.FAMILIES[f"light/{name}"]
-        reference = lengths.get(parameter.reference, 1.0)
-        turn = camera_azimuth(target) if name == "azimuth" else 0.0
-        result.values[parameter.key(ours)] = [v * reference + turn for v in value]
+    elif schema.radiometry.radiance(prepare.LIGHT_TYPE, entry["power"][0]) >= _DIM:
+        corners = scene_context.bounds(target.analysis.scene, target.analysis.objects)
+        lengths = scene_context.light_lengths(prepare.added_light_distance(*corners))
+        for name, value in entry.items():
+            parameter = schema.FAMILIES[f"light/{name}"]
+            reference = lengths.get(parameter.reference, 1.0)
+            turn = camera_azimuth(target) if name == "azimuth" else 0.0
+            result.values[parameter.key(ours)] = [v * reference + turn for v in value]
 
 
 def _for_light(entry: preset.Entry, made_on: str, kind: str) -> preset.Entry:
-    """An entry of one type of light, converted to another type that is as bright and as soft.
-
-    Power becomes strength, size becomes angle, or the other way around.
-    """
+    """An entry of one type of light, converted to another type that is as bright and as soft."""
     result, target = dict(entry), LIGHT_TYPES[kind]
+    # Power becomes strength, size becomes angle, or the other way around.
     bright = result.pop("power", None) or result.pop("strength", None)
     if bright:
         energy = schema.radiometry.radiance(made_on, bright[0]) * schema.radiometry.unit_energy(kind)
@@ -241,15 +216,12 @@ def _put(result: Fit, target: SceneParameters, group: str, owner: str, name: str
 def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectChoice) -> list[str]:
     """Applies a preset to the scene like a vibe's result; returns a line for the artist on each value that did not fit.
 
-    The look of an earlier preset is taken out first, unless it was kept: so presets can be tried one after the other.
-    A failure leaves the scene as it was.
-
-    Raises:
-        VibeError: No value of the preset fits, or the scene cannot be read or changed.
+    Raises VibeError if no value of the preset fits, or the scene cannot be read or changed; then it stays as it was.
     """
     settings = scene.vibe
-    another, shown = bool(settings.vibed_preset), settings.show_original
-    if another:
+    shown = settings.show_original
+    # Take out the look of an earlier preset, unless it was kept: so presets can be tried one after the other.
+    if settings.vibed_preset:
         settings.show_original = True
     try:
         with snapshot.rollback_on_failure(scene):
@@ -275,12 +247,9 @@ def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectCho
 
 
 def capture_preset(scene: bpy.types.Scene, choice: SubjectChoice, name: str) -> preset.Preset:
-    """A preset of all values that the last vibe or preset changed; raises VibeError if there are none.
-
-    The scene then shows the look, not the original.
-    """
+    """A preset of all values that the last vibe or preset changed; raises VibeError if there are none."""
     settings = scene.vibe
-    settings.show_original = False
+    settings.show_original = False  # the look is saved, not the original
     scene_reading = reading.read_scene(scene, choice)
     changed = (change.name for change in settings.changes)
     values = {key: scene_reading.instances[key].value for key in changed if key in scene_reading.instances}

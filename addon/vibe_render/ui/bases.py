@@ -12,45 +12,12 @@ import bpy
 from ..core import files
 from ..core.rendered import GEOMETRY
 from ..core.schema_import import schema
-from ..render import reference
 from ..run.state import addon_state
-from ..scene import snapshot, subject
+from ..scene import snapshot
 from . import drawing
-from .engine_state import engine_state
 
 RUNNING = "A vibe is running"
 HELD = "Your own keyframes are set aside. Keep moves them with the look"
-
-
-def obstacle(context: bpy.types.Context) -> str:
-    """The reason why a vibe cannot start now; "" if it can."""
-    scene = context.scene
-    if addon_state.running:
-        return RUNNING
-    if reason := untouchable(context) or reference.picture_obstacle(scene.vibe):
-        return reason
-    if not scene.vibe.prompt.strip() and not reference.picture_name(scene.vibe):
-        return "Describe a mood first"
-    if not has_mesh(scene):
-        return "The scene has no mesh"
-    if not scene.vibe.groups():
-        return "All groups are locked. Unlock at least one under Affect"
-    if scene.vibe.subject == "COLLECTION" and not scene.vibe.collection:
-        return "Choose the subject's collection"
-    if scene.vibe.subject == "SELECTED" and not (context.selected_objects or subject.recall_subject(scene)):
-        return "Select the subject"
-    if engine_state.problem:
-        return "Set up the engine first"
-    return ""
-
-
-def result_obstacle(context: bpy.types.Context) -> str:
-    """The reason why the result cannot be kept, reverted or changed now; "" if it can."""
-    if addon_state.running:
-        return RUNNING
-    if not snapshot.exists(context.scene):
-        return "This scene has no result"
-    return untouchable(context)
 
 
 def untouchable(context: bpy.types.Context) -> str:
@@ -80,18 +47,22 @@ class IdlePanel:
 class Operator(bpy.types.Operator):
     """An operator whose tooltip gives the reason if it is grayed out, and which reports a failure in one line.
 
-    Its `bl_idname` follows from the name of its class: "vibe.revert" for VIBE_OT_revert.
+    Its `bl_idname` follows from the name of its class: "vibe.revert" for VIBE_OT_revert. The class arguments are its
+    `bl_label` and its `bl_options`, if they are not those of its base class.
     """
 
     severity = "INFO"  # of the closing message
+    idle = False  # grayed out while a vibe runs, with a wait cursor while it works
 
-    def __init_subclass__(cls) -> None:
+    def __init_subclass__(cls, label: str = "", options: set[str] | None = None) -> None:
         super().__init_subclass__()
-        cls.bl_idname = cls.__name__.lower().replace("_ot_", ".")
+        cls.bl_idname, cls.bl_label = cls.__name__.lower().replace("_ot_", "."), label
+        if options is not None:
+            cls.bl_options = options
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        reason = cls.obstacle(context)
+        reason = RUNNING if cls.idle and addon_state.running else cls.obstacle(context)
         if reason:
             cls.poll_message_set(reason)  # its tooltip
         return not reason
@@ -102,6 +73,9 @@ class Operator(bpy.types.Operator):
         return ""
 
     def execute(self, context: bpy.types.Context) -> set[str]:
+        window = context.window if self.idle else None
+        if window:
+            window.cursor_modal_set("WAIT")
         try:
             message = self.perform(context)
         except (schema.VibeError, OSError) as error:
@@ -109,6 +83,9 @@ class Operator(bpy.types.Operator):
                 error = files.unwritable(Path(tempfile.gettempdir(), "vibe"), error, "Check that folder.")
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        finally:
+            if window:
+                window.cursor_modal_restore()
         drawing.redraw()
         if message:
             self.report({self.severity}, message)
@@ -119,31 +96,17 @@ class Operator(bpy.types.Operator):
         raise NotImplementedError
 
 
-class ResultOperator(Operator):
+class ResultOperator(Operator, options={"UNDO"}):
     """An operator on the result that the scene has."""
-
-    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        return result_obstacle(context)
+        if addon_state.running:
+            return RUNNING
+        return untouchable(context) if snapshot.exists(context.scene) else "This scene has no result"
 
 
 class IdleOperator(Operator):
     """An operator that is grayed out while a vibe runs, and shows a wait cursor while it works."""
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if addon_state.running:
-            cls.poll_message_set(RUNNING)
-            return False
-        return super().poll(context)
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        if not context.window:
-            return super().execute(context)
-        context.window.cursor_modal_set("WAIT")
-        try:
-            return super().execute(context)
-        finally:
-            context.window.cursor_modal_restore()
+    idle = True

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 import re
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import bpy
@@ -23,28 +23,21 @@ GROUP_ICONS = {
     "volume": "OUTLINER_OB_VOLUME",
     "film": "COLOR",
 }
-_PLACES = {"VIEW_3D": "UI", "PREFERENCES": "WINDOW"}
-"""Type of each area that has panels of Vibe Render -> the type of their region."""
+_PLACES = {"VIEW_3D": "UI", "PREFERENCES": "WINDOW"}  # areas that have panels of Vibe Render -> their regions
 _GAP = 6  # pixels between two images in one icon
+_CAPTIONS = ("Before", "After, as predicted")
 
 _Version = tuple[tuple[Path, int], ...]
-_slots: dict[tuple[bool, tuple[Path, ...]], tuple[_Version, bpy.utils.previews.ImagePreviewCollection]] = {}
-"""(Cropped to a square or not, image files) -> (their versions, their icon): the icons that are in use."""
-_swatches: bpy.utils.previews.ImagePreviewCollection | None = None
-
+# (Cropped to a square or not, image files), or a color -> (their versions, their icon): the icons that are in use.
+_slots: dict[tuple[bool, tuple[Path, ...]] | str, tuple[_Version, bpy.utils.previews.ImagePreviewCollection]] = {}
 _timers: set[Callable[[], float | None]] = set()
-
 HEX_COLOR = re.compile(r"(#[0-9a-f]{6})")
 
 
 def paragraph(
-    layout: bpy.types.UILayout,
-    context: bpy.types.Context,
-    text: str,
-    icon: str = "NONE",
-    faint: bool = False,
+    layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str = "NONE", faint: bool = False,
     letters: int = 0,
-) -> None:
+) -> None:  # fmt: skip
     """Draws wrapped text with at most `letters` characters a line; 0 for as many as fit into the region."""
     column = layout.column(align=True)
     column.scale_y, column.active = 0.8, not faint
@@ -56,10 +49,9 @@ def paragraph(
 
 def see_rendered(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """Draws a button that switches the viewport to Rendered, unless it is."""
-    if context.space_data and context.space_data.type == "VIEW_3D":
-        shading = context.space_data.shading
-        if shading.type != "RENDERED":
-            layout.prop_enum(shading, "type", "RENDERED", text="Rendered View")
+    space = context.space_data
+    if space and space.type == "VIEW_3D" and space.shading.type != "RENDERED":
+        layout.prop_enum(space.shading, "type", "RENDERED", text="Rendered View")
 
 
 def columns(context: bpy.types.Context) -> int:
@@ -69,10 +61,9 @@ def columns(context: bpy.types.Context) -> int:
 
 def duration(seconds: float) -> str:
     """Seconds in words: "40 s", "12 min", "3 h"."""
-    for size, unit in ((3600, "h"), (60, "min")):
-        if seconds >= 1.5 * size:
-            return f"{seconds / size:.0f} {unit}"
-    return f"{max(seconds, 1):.0f} s"
+    if seconds >= 5400:
+        return f"{seconds / 3600:.0f} h"
+    return f"{seconds / 60:.0f} min" if seconds >= 90 else f"{max(seconds, 1):.0f} s"
 
 
 def size(count: float) -> str:
@@ -94,10 +85,7 @@ def redraw() -> None:
 
 
 def begin(timer: Callable[[], float | None], after: float, persistent: bool = False) -> None:
-    """Registers a timer function, unless it is registered already.
-
-    Blender calls it after so many seconds, and again after as many as it returns, until it returns None.
-    """
+    """Registers a timer function, unless it is; called again after the seconds that it returns, until it returns None."""
     _timers.add(timer)
     if not bpy.app.timers.is_registered(timer):
         bpy.app.timers.register(timer, first_interval=after, persistent=persistent)
@@ -119,10 +107,7 @@ def look_icon(look: Look) -> int:
 
 
 def icon(*pictures: Path | None, square: bool = False) -> int:
-    """The icon number of image files, which are loaded again if one has changed; 0 if none exists.
-
-    Several images become one icon: wide ones are stacked, others stand in a row. `square` crops it to a square.
-    """
+    """The icon number of image files, joined (wide ones one above the other) or cropped to a `square`; 0 for none."""
     there = tuple(p for p in pictures if p is not None and p.is_file())
     if not there:
         return 0
@@ -131,17 +116,23 @@ def icon(*pictures: Path | None, square: bool = False) -> int:
     shown, collection = _slots.get(slot, (None, None))
     if collection is None:
         collection = bpy.utils.previews.new()
-    if version != shown:
+    if version != shown:  # one of the files is new or has changed
         collection.clear()
         parts = [collection.load(str(path), str(path), "IMAGE") for path in there]
         for part in parts:
             part.image_size[:]  # reads the file now; else a job would read it, and the panel would flicker
         if len(parts) > 1 or square:
-            whole = _composed([_pixels(part) for part in parts])
+            images = [_pixels(part) for part in parts]
+            # All get the size of the largest: the first images of a search are smaller than the later ones.
+            height, width = max((image.shape for image in images), key=math.prod)
+            wide = width >= height
+            gap = np.zeros((_GAP, width) if wide else (height, _GAP), np.int32)
+            ordered = images[::-1] if wide else images  # row 0 is at the bottom
+            pieces = [piece for image in ordered for piece in (resized(image, height, width), gap)][:-1]
+            whole = np.concatenate(pieces, axis=0 if wide else 1)
             if square:
-                height, width = whole.shape
-                side = min(height, width)
-                bottom, left = (height - side) // 2, (width - side) // 2
+                side = min(whole.shape)
+                bottom, left = ((count - side) // 2 for count in whole.shape)
                 whole = whole[bottom : bottom + side, left : left + side]
             shown_part = collection.new("vibe")
             shown_part.image_size = whole.shape[::-1]
@@ -155,16 +146,16 @@ def before_after(
     before: Path | None,
     after: Path | None,
     scale: float,
-    captions: tuple[str, str] = ("Before", "After, as predicted"),
+    captions: Sequence[str] = _CAPTIONS,
 ) -> None:
     """Draws those of two images that exist as one icon, with their captions."""
     pairs = zip((before, after), captions, strict=True)
     there = [(path, name) for path, name in pairs if path and path.is_file()]
     if not there:
         return
-    number = icon(*(path for path, _ in there))
-    _, collection = _slots[False, tuple(path for path, _ in there)]
-    width, height = collection[str(there[0][0])].image_size
+    paths = tuple(path for path, _ in there)
+    number = icon(*paths)
+    width, height = _slots[False, paths][1][str(paths[0])].image_size
     stacked, column = width >= height, layout.column(align=True)
     if stacked and len(there) > 1:
         caption(column, there.pop(0)[1], 0.7)
@@ -187,29 +178,22 @@ def colored(layout: bpy.types.UILayout, text: str) -> None:
     row.alignment, row.scale_y = "LEFT", 0.8
     row.label(icon="BLANK1")
     for number, part in enumerate(HEX_COLOR.split(text)):
-        if number % 2:
-            row.label(icon_value=_swatch(part))
-        else:
+        if number % 2 == 0:
             row.label(text=part)
-
-
-def _swatch(color: str) -> int:
-    global _swatches
-    _swatches = _swatches or bpy.utils.previews.new()
-    if color not in _swatches:
-        plain = _swatches.new(color)
-        plain.icon_size = 16, 16
-        plain.icon_pixels_float.foreach_set([*(c / 255 for c in bytes.fromhex(color[1:])), 1.0] * 256)
-    return _swatches[color].icon_id
+            continue
+        if part not in _slots:
+            _slots[part] = (), bpy.utils.previews.new()
+            swatch = _slots[part][1].new("vibe")
+            swatch.icon_size = 16, 16
+            swatch.icon_pixels_float.foreach_set([*(c / 255 for c in bytes.fromhex(part[1:])), 1.0] * 256)
+        row.label(icon_value=_slots[part][1]["vibe"].icon_id)
 
 
 def free_icons() -> None:
     """Frees the icons of all images and colors."""
-    global _swatches
-    for collection in (*(collection for _, collection in _slots.values()), *filter(None, [_swatches])):
+    for _, collection in _slots.values():
         bpy.utils.previews.remove(collection)
     _slots.clear()
-    _swatches = None
 
 
 def _pixels(part: bpy.types.ImagePreview) -> np.ndarray:
@@ -220,25 +204,8 @@ def _pixels(part: bpy.types.ImagePreview) -> np.ndarray:
     return pixels.reshape(height, width)
 
 
-def _composed(parts: list[np.ndarray]) -> np.ndarray:
-    """Several images, as from `_pixels`, joined into one, with the first at the top or the left.
-
-    All of them are resized to the largest.
-    """
-    height, width = max((part.shape for part in parts), key=math.prod)
-    fitting = [resized(part, height, width) for part in parts]
-    wide = width >= height
-    gap = np.zeros((_GAP, width) if wide else (height, _GAP), np.int32)
-    ordered = fitting[::-1] if wide else fitting
-    pieces = [piece for part in ordered for piece in (part, gap)][:-1]
-    return np.concatenate(pieces, axis=0 if wide else 1)
-
-
 def resized(pixels: np.ndarray, height: int, width: int) -> np.ndarray:
-    """Pixels (H, W) int32, each four 8-bit channels, resized bilinearly to (height, width).
-
-    The panel shows the first images of a search, which are smaller, at the size of the later ones.
-    """
+    """Pixels (H, W) int32, each four 8-bit channels, resized bilinearly to (height, width)."""
     channels = pixels.view(np.uint8).reshape(*pixels.shape, 4).astype(np.float32)
     for axis, count in enumerate((height, width)):
         place = np.linspace(0.0, channels.shape[axis] - 1.0, count)

@@ -21,66 +21,40 @@ _PATIENCE = 60.0  # seconds that a test waits for the engine's "ready"
 
 
 class EngineState:
-    """The engine of this computer, as far as it is known.
-
-    For all methods, `choice` is the engine's folder from the preferences; "" for the usual places.
-
-    Attributes:
-        python: The Python executable that has the engine; None while it is looked for, or if there is none.
-        problem: The error if no engine was found.
-        setup: The setup of an environment that is going on; None if there is none.
-        outcome: The result of the last test or setup in words, for the preferences; "" before the first.
-        succeeded: Whether the last test or setup succeeded.
-    """
+    """The engine of this computer; `choice` is its folder from the preferences, or "" for the usual places."""
 
     def __init__(self) -> None:
         self._timer = self.tick  # one object, by which Blender knows the timer
         self._forget()
 
     def _forget(self) -> None:
-        self.python: Path | None = None
-        self.problem: schema.VibeError | None = None
-        self.setup: EngineSetup | None = None
-        self.outcome, self.succeeded = "", True
+        self.python: Path | None = None  # has the engine; None while it is looked for, or if there is none
+        self.problem: schema.VibeError | None = None  # if no engine was found
+        self.setup: EngineSetup | None = None  # that is going on
+        self.outcome, self.succeeded = "", True  # of the last test or setup, in words for the preferences
         self._choice: str | None = None
-        self._search_work: Future[Path] | None = None
-        self._test_work: Future[str] | None = None
-
-    @property
-    def busy(self) -> bool:
-        return self.searching or self.testing or self.setting_up
-
-    @property
-    def searching(self) -> bool:
-        return self._search_work is not None
-
-    @property
-    def testing(self) -> bool:
-        return self._test_work is not None
-
-    @property
-    def setting_up(self) -> bool:
-        return self.setup is not None and self.setup.running
+        self.search_work: Future[Path] | None = None  # as long as the engine is looked for
+        self.test_work: Future[str] | None = None  # as long as it is tested
 
     def search(self, choice: str, again: bool = False) -> None:
         """Looks for the engine in the background; does so only once for a choice, unless `again`."""
-        if self.searching or (choice == self._choice and not again):
+        if self.search_work or (choice == self._choice and not again):
             return
         self._choice, self.python, self.problem = choice, None, None
-        self._search_work = background.begin(lambda: find_python(choice))
-        self._follow()
+        self.search_work = background.begin(lambda: find_python(choice))
+        drawing.begin(self._timer, _TICK, persistent=True)
 
     def test(self, choice: str) -> None:
         """Starts an engine in the background to see whether it answers; the result is the `outcome`."""
-        if not self.testing:
-            self._test_work = background.begin(lambda: version(choice))
-            self._follow()
+        if not self.test_work:
+            self.test_work = background.begin(lambda: version(choice))
+            drawing.begin(self._timer, _TICK, persistent=True)
 
     def set_up(self, build: TorchBuild) -> None:
         """Makes an environment for the engine, with this build of torch, in the background; raises as `requirements`."""
-        if not self.setting_up:
+        if not self.setup:
             self.setup = EngineSetup(setup_folder(), requirements(), build)
-            self._follow()
+            drawing.begin(self._timer, _TICK, persistent=True)
 
     def close(self) -> None:
         """Cancels a setup and forgets everything."""
@@ -88,22 +62,19 @@ class EngineState:
             self.setup.cancel()
         self._forget()
 
-    def _follow(self) -> None:
-        drawing.begin(self._timer, _TICK, persistent=True)
-
     def tick(self) -> float | None:
         """Timer function: takes results of background work; returns the seconds to the next call, None for none."""
-        if self._search_work and self._search_work.done():
-            search, self._search_work = self._search_work, None
-            self.python, self.problem = _answer_of(search)
-        if self._test_work and self._test_work.done():
-            test, self._test_work = self._test_work, None
-            answer, problem = _answer_of(test)
+        if self.search_work and self.search_work.done():
+            self.python, self.problem = _answer_of(self.search_work)
+            self.search_work = None
+        if self.test_work and self.test_work.done():
+            answer, problem = _answer_of(self.test_work)
+            self.test_work = None
             self.outcome, self.succeeded = str(problem or f"Engine {answer} answers"), problem is None
-        if self.setup and not self.setup.running:
+        if self.setup and self.setup.work.done():
             setup, self.setup = self.setup, None
             try:
-                setup.finish()
+                setup.work.result()
                 self.outcome, self.succeeded = "The engine is set up", True
                 if chosen := preferences.get(bpy.context):
                     chosen.engine = str(setup.folder)
@@ -111,7 +82,7 @@ class EngineState:
             except schema.VibeError as error:
                 self.outcome, self.succeeded = str(error), False
         drawing.redraw()
-        return _TICK if self.busy else None
+        return _TICK if self.search_work or self.test_work or self.setup else None
 
 
 def setup_folder() -> Path:

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import bpy
 from bpy.props import FloatProperty, FloatVectorProperty
 
@@ -26,14 +24,10 @@ def _shown(scene: bpy.types.Scene) -> light_mix.RenderedMix | None:
     return rendered if all(c.name in scene.vibe.mix for c in rendered.channels) else None
 
 
-def draw_soon() -> None:
-    """Mixes the image anew after a moment, once for all sliders that have moved by then."""
+def draw_soon(_slider: object = None, _context: object = None) -> None:
+    """Mixes the image anew after a moment, once for all sliders that have moved by then; also an update of a slider."""
     if addon_state.mix:
         drawing.begin(_draw, _TICK)
-
-
-def _changed(_channel: VibeMixChannel, _context: bpy.types.Context) -> None:
-    draw_soon()
 
 
 def _draw() -> float | None:
@@ -66,33 +60,21 @@ class VibeMixChannel(bpy.types.PropertyGroup):
     """The slider of a light layer. Its `name` is that of the light group."""
 
     factor: FloatProperty(
-        name="Power",
-        description="What the power of this light is multiplied by",
-        default=1.0,
-        min=0.0,
-        max=1000.0,
-        soft_max=4.0,
-        precision=2,
-        update=_changed,
-    )
+        name="Power", description="What the power of this light is multiplied by",
+        default=1.0, min=0.0, max=1000.0, soft_max=4.0, precision=2, update=draw_soon,
+    )  # fmt: skip
     color: FloatVectorProperty(
-        name="Color",
-        description="A color filter in front of this light. White leaves it as it is",
-        size=3,
-        subtype="COLOR",
-        default=light_mix.WHITE,
-        min=0.0,
-        max=1.0,
-        update=_changed,
-    )
+        name="Color", description="A color filter in front of this light. White leaves it as it is",
+        size=3, subtype="COLOR", default=light_mix.WHITE, min=0.0, max=1.0, update=draw_soon,
+    )  # fmt: skip
     applied: FloatVectorProperty(
         size=3, default=light_mix.WHITE, description="What Apply has multiplied it by since the render"
     )
 
     def product(self) -> Color:
         """The factor of red, green and blue."""
-        red, green, blue = (self.factor * c for c in self.color)
-        return red, green, blue
+        red, green, blue = self.color
+        return self.factor * red, self.factor * green, self.factor * blue
 
     def reset(self) -> None:
         self.factor, self.color = 1.0, light_mix.WHITE
@@ -111,15 +93,13 @@ def colors(scene: bpy.types.Scene) -> dict[str, Color]:
 class MixPanel(bases.IdlePanel):
     """The image of the mix, a slider and a color for each light, and what writes them into the scene."""
 
-    bl_label = "Light Mix"
-
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
         shown = _shown(context.scene)
         row = layout.row(align=True)
         row.operator("vibe.mix_render", text="Render Again" if shown else "Render Lights", icon="RENDER_STILL")
         row.prop(settings, "light_mix", text="After Each Vibe", toggle=True)
-        if reason := _obstacle(context):
+        if reason := VIBE_OT_mix_render.obstacle(context):
             drawing.paragraph(layout, context, reason, "INFO", faint=True)
         if shown is None:
             return
@@ -140,26 +120,18 @@ class MixPanel(bases.IdlePanel):
         row.operator("vibe.mix_reset", text="", icon="LOOP_BACK")
 
 
-def _obstacle(context: bpy.types.Context) -> str:
-    """The reason why light layers cannot be rendered now; "" if they can."""
-    if context.scene.render.engine != "CYCLES":
-        return light_mix.NEEDS_CYCLES
-    if preview.exists(context.scene):
-        return "The scene shows a look of Live. Search for it, or switch Live off"
-    if context.scene.camera is None:
-        return "The scene has no camera"
-    return bases.untouchable(context)
-
-
-class VIBE_OT_mix_render(bases.IdleOperator):
+class VIBE_OT_mix_render(bases.IdleOperator, label="Render Lights", options={"UNDO"}):
     """Render a small image with Cycles, each light in a layer of its own. Your light groups stay as they are"""
-
-    bl_label = "Render Lights"
-    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        return _obstacle(context)
+        if context.scene.render.engine != "CYCLES":
+            return light_mix.NEEDS_CYCLES
+        if preview.exists(context.scene):
+            return "The scene shows a look of Live. Search for it, or switch Live off"
+        if context.scene.camera is None:
+            return "The scene has no camera"
+        return bases.untouchable(context)
 
     def perform(self, context: bpy.types.Context) -> str:
         """Renders the light layers, and sets the sliders to the mix in the compositor, or to 1."""
@@ -178,9 +150,7 @@ class VIBE_OT_mix_render(bases.IdleOperator):
         return f"{len(scene.vibe.mix)} light layers"
 
 
-class _Mixed(bases.IdleOperator):
-    bl_options: ClassVar[set[str]] = {"UNDO"}
-
+class _Mixed(bases.IdleOperator, options={"UNDO"}):
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
         if _shown(context.scene) is None:
@@ -188,10 +158,8 @@ class _Mixed(bases.IdleOperator):
         return bases.untouchable(context) or ("" if moved(context.scene) else "Move a slider first")
 
 
-class VIBE_OT_mix_apply(_Mixed):
+class VIBE_OT_mix_apply(_Mixed, label="Apply"):
     """Write the mix into power and color of lights, world and emitting materials, as a step that Revert takes back"""
-
-    bl_label = "Apply"
 
     def perform(self, context: bpy.types.Context) -> str:
         """Writes the factors since the render, notes them in `applied`, and resets the sliders."""
@@ -209,14 +177,12 @@ class VIBE_OT_mix_apply(_Mixed):
         return next(left, "The mix is in the scene")
 
 
-class VIBE_OT_mix_nodes(_Mixed):
+class VIBE_OT_mix_nodes(_Mixed, label="Compositor"):
     """Write the mix as nodes of the compositor, which work on every later render. Revert removes them"""
-
-    bl_label = "Compositor"
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        return super().obstacle(context) or _obstacle(context)
+        return super().obstacle(context) or VIBE_OT_mix_render.obstacle(context)
 
     def perform(self, context: bpy.types.Context) -> str:
         scene, rendered = context.scene, addon_state.mix
@@ -225,11 +191,8 @@ class VIBE_OT_mix_nodes(_Mixed):
         return "The mix is in the compositor"
 
 
-class VIBE_OT_mix_reset(_Mixed):
+class VIBE_OT_mix_reset(_Mixed, label="Reset", options={"UNDO", "INTERNAL"}):
     """Move all sliders back"""
-
-    bl_label = "Reset"
-    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     def perform(self, context: bpy.types.Context) -> str:
         for channel in context.scene.vibe.mix:

@@ -1,14 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live in the panel: its switch, the timer of its steps, the look of the words so far, and its keys.
-
-While Live is on, Enter in the prompt begins the search, and Esc takes the look away. Blender does not report how a text
-field was left, and the field consumes the press of the key. So the keymap listens for the release.
-"""
+"""Live in the panel: its switch, the timer of its steps, the look of the words so far, and its keys."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 import bpy
 
@@ -18,7 +14,7 @@ from ..run.state import addon_state
 from . import bases, drawing
 
 _TICK = 0.02  # seconds between two steps
-_KEYS = {"vibe.entered": ("RET", "NUMPAD_ENTER"), "vibe.escaped": ("ESC",)}
+_KEYS = (("vibe.entered", "RET"), ("vibe.entered", "NUMPAD_ENTER"), ("vibe.escaped", "ESC"))
 _keys: list[tuple[Any, Any]] = []  # keymap and item of each key that is registered
 
 
@@ -43,16 +39,16 @@ def _tick() -> float | None:
     if live is None or addon_state.running:
         return None
     before = live.stage, live.look
-    failure = None
     try:
         live.advance()
     except Exception as error:  # an artist must never be left with a stuck panel
-        failure = errors.to_show(error, "looking at the words")
         addon_state.end_live()
-        addon_state.failure = failure
-    if failure or before != (live.stage, live.look):
+        addon_state.failure = errors.to_show(error, "looking at the words")
         drawing.redraw()
-    return _TICK if failure is None and live.busy else None
+        return None
+    if before != (live.stage, live.look):
+        drawing.redraw()
+    return _TICK if live.busy else None
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context, live: Live) -> None:
@@ -67,18 +63,14 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, live: Live) -> 
 
 def draw_words(layout: bpy.types.UILayout, context: bpy.types.Context, words: Mapping[str, bool]) -> None:
     """Draws the words that are not visible in the look so far."""
-    if not words:
-        return
-    missing = [word for word, shown in words.items() if not shown]
-    text = f"Not visible yet: {', '.join(missing)}" if missing else "No word is missing so far"
-    drawing.paragraph(layout, context, text, "HIDE_ON" if missing else "HIDE_OFF")
+    if missing := [word for word, shown in words.items() if not shown]:
+        drawing.paragraph(layout, context, f"Not visible yet: {', '.join(missing)}", "HIDE_ON")
+    elif words:
+        drawing.paragraph(layout, context, "No word is missing so far", "HIDE_OFF")
 
 
-class VIBE_OT_entered(bases.Operator):
+class VIBE_OT_entered(bases.Operator, label="Vibe It from the Prompt", options={"INTERNAL"}):
     """Begin the search for the words that were typed"""
-
-    bl_label = "Vibe It from the Prompt"
-    bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -89,11 +81,8 @@ class VIBE_OT_entered(bases.Operator):
         return {"FINISHED"}
 
 
-class VIBE_OT_escaped(bases.Operator):
+class VIBE_OT_escaped(bases.Operator, label="Take the Look Away", options={"INTERNAL"}):
     """Take the look of what was typed out of the scene"""
-
-    bl_label = "Take the Look Away"
-    bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -111,14 +100,13 @@ def _typed_here(context: bpy.types.Context) -> bool:
 
 
 def register_keys() -> None:
-    """Adds Enter and Esc to the keymap of the user interface."""
+    """Adds Enter, which begins the search from the prompt, and Esc, which takes the look away, to Blender's keymap."""
+    # Blender does not report how a text field was left, and the field consumes the press of the key: so the keymap
+    # listens for the release.
     config = bpy.context.window_manager.keyconfigs.addon
-    if config is None:  # without a window
-        return
-    keymap = config.keymaps.new(name="User Interface")
-    for operator, keys in _KEYS.items():
-        for key in keys:
-            _keys.append((keymap, keymap.keymap_items.new(operator, key, "RELEASE")))
+    if config:  # none without a window
+        keymap = config.keymaps.new(name="User Interface")
+        _keys.extend((keymap, keymap.keymap_items.new(operator, key, "RELEASE")) for operator, key in _KEYS)
 
 
 def unregister_keys() -> None:

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The main panel, the order of all panels, and what the add-on does when Blender opens, saves or changes a file.
-
-The panels are in the 3D viewport's sidebar, tab "Vibe".
-"""
+"""The main panel, the order of all panels in the tab "Vibe", and what follows when a file is opened, saved or changed."""
 
 from __future__ import annotations
 
@@ -14,29 +11,12 @@ from bpy.app.handlers import persistent
 from ..core import preferences
 from ..run import preview
 from ..run.state import addon_state
-from . import (
-    bases,
-    drawing,
-    light_mix,
-    live,
-    picture,
-    preset_files,
-    presets,
-    properties,
-    result,
-    run,
-    scope,
-    setup,
-    steps,
-    words,
-)
+from . import drawing, light_mix, live, picture, presets, properties, result, run, scope, setup, steps, words
 from .engine_state import engine_state
 
 
 class MainPanel:
     """Prompt and button; progress while a vibe runs; its failure."""
-
-    bl_label = "Vibe Render"
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
@@ -50,7 +30,6 @@ class MainPanel:
         field.scale_y = 1.3
         field.prop(settings, "prompt", text="", placeholder="misty, cool blue fog, vignette")
         field.menu("VIBE_MT_history", text="", icon="RECOVER_LAST")
-        words.keep_up(context)
         words.draw(column, context)
         if addon_state.live and addon_state.live.scene == context.scene.name:
             live.draw(column, context, addon_state.live)
@@ -70,15 +49,15 @@ class MainPanel:
         button.prop(context.window_manager, "vibe_live", icon="PLAY", toggle=True)
         if addon_state.failure:
             setup.draw_failure(layout, context, addon_state.failure)
-        elif engine_state.problem or engine_state.setting_up:
+        elif engine_state.problem or engine_state.setup:
             setup.draw_no_engine(layout, context)
-        elif reason := bases.obstacle(context):
+        elif reason := run.VIBE_OT_run.obstacle(context):
             drawing.paragraph(layout, context, reason, "INFO", faint=True)
 
 
-def _panel(name: str, base: type, parent: str = "") -> type:
+def _panel(name: str, label: str, base: type, parent: str = "") -> type:
     """The class of a panel of the tab, which `base` draws; inside the panel `parent`, if one is named."""
-    names = {"bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Vibe"}
+    names = {"bl_label": label, "bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Vibe"}
     names |= {"__module__": __name__, "__doc__": base.__doc__ or ""}
     names |= {"bl_parent_id": f"VIBE_PT_{parent}"} if parent else {}
     return type(f"VIBE_PT_{name}", (base, bpy.types.Panel), names)
@@ -86,38 +65,20 @@ def _panel(name: str, base: type, parent: str = "") -> type:
 
 def _classes(*modules: ModuleType) -> list[type]:
     """The classes that modules define for Blender: operators and menus VIBE_…, groups of properties Vibe…."""
-    return [
-        each
-        for module in modules
-        for name, each in vars(module).items()
-        if name.startswith(("VIBE_", "Vibe")) and each.__module__ == module.__name__
-    ]
+    own = [each for m in modules for each in vars(m).values() if getattr(each, "__module__", "") == m.__name__]
+    return [each for each in own if isinstance(each, type) and each.__name__.startswith(("VIBE_", "Vibe"))]
 
 
 CLASSES = [
-    *_classes(setup, light_mix, properties, scope, run, live, words, picture),
-    *_classes(result, steps, presets, preset_files),
-    _panel("main", MainPanel),
-    _panel("result", result.ResultPanel),
-    _panel("mix", light_mix.MixPanel),
-    _panel("presets", presets.PresetsPanel),
-    _panel("scope", scope.ScopePanel),
-    _panel("values", scope.ValuesPanel, "scope"),
-    _panel("advanced", scope.AdvancedPanel),
-]
-"""The classes to register, in order; it is also the order of the panels from top to bottom."""
-
-
-@persistent
-def _before_load(*_: object) -> None:
-    """Ends what belongs to the open file, before Blender opens another: a vibe, its images, Live."""
-    addon_state.leave_file()
-
-
-@persistent
-def _before_save(*_: object) -> None:
-    """Hides previews, so that the file is saved with the artist's values."""
-    preview.hide_all()
+    *_classes(setup, light_mix, properties, scope, run, live, words, picture, result, steps, presets),
+    _panel("main", "Vibe Render", MainPanel),
+    _panel("result", "Result", result.ResultPanel),
+    _panel("mix", "Light Mix", light_mix.MixPanel),
+    _panel("presets", "Presets", presets.PresetsPanel),
+    _panel("scope", "Affect", scope.ScopePanel),
+    _panel("values", "Individual Locks", scope.ValuesPanel, "scope"),
+    _panel("advanced", "Advanced", scope.AdvancedPanel),
+]  # to register, in this order, which is also that of the panels from top to bottom
 
 
 @persistent
@@ -141,9 +102,10 @@ def _after_change(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> No
 
 
 _HANDLERS = {
-    "load_pre": _before_load,
+    # Before another file is opened: what belongs to this one ends, such as a vibe, its images, Live.
+    "load_pre": persistent(lambda *_: addon_state.leave_file()),
     "load_post": _show_again,
-    "save_pre": _before_save,
+    "save_pre": persistent(lambda *_: preview.hide_all()),  # the file is saved with the artist's values
     "save_post": _show_again,
     "save_post_fail": _show_again,
     "undo_post": _show_again,

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, ClassVar
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, PointerProperty
@@ -15,10 +14,6 @@ from ..render import reference
 from . import drawing
 from .bases import IdleOperator
 
-_SCALE = 6.0
-"""Height of the thumbnail, in heights of a button."""
-_SLOTS = 8
-"""Number of slots that a render result has at first; artists may add more."""
 _TRAITS = {
     "light": "Side and color of the light",
     "grade": "Contrast, blacks and whites, tints of shadows and highlights, vignette",
@@ -28,25 +23,7 @@ _TRAITS = {
 }
 
 
-def _is_picture(_: Any, image: bpy.types.Image) -> bool:
-    """False for render results, which are chosen by their slots."""
-    return image.type != "RENDER_RESULT"
-
-
-def _toggles() -> dict[str, Any]:
-    assert tuple(_TRAITS) == options.TRAITS
-    return {
-        f"like_{name}": BoolProperty(
-            name="Haze" if name == "air" else name.capitalize(), description=f"Copy: {what}", default=True
-        )
-        for name, what in _TRAITS.items()
-    }
-
-
-_Toggles = type("VibePictureToggles", (), {"__annotations__": _toggles(), "__module__": __name__})
-
-
-class PictureSettings(_Toggles):  # type: ignore[misc]
+class PictureSettings:
     """The panel's fields for the reference image that are not in the schema's table of options."""
 
     like_from: EnumProperty(
@@ -60,14 +37,27 @@ class PictureSettings(_Toggles):  # type: ignore[misc]
         ),
     )
     like_image: PointerProperty(
-        type=bpy.types.Image, name="Image", description="The image whose look is copied", poll=_is_picture
+        name="Image",
+        description="The image whose look is copied",
+        type=bpy.types.Image,
+        poll=lambda _, image: image.type != "RENDER_RESULT",  # renders are chosen by their slots
     )
-    like_slot: IntProperty(name="Slot", description="Of the render result", default=1, min=1, soft_max=_SLOTS)
+    # A render result has 8 slots at first; artists may add more.
+    like_slot: IntProperty(name="Slot", description="Of the render result", default=1, min=1, soft_max=8)
 
     def traits(self) -> tuple[str, ...]:
         """The traits to copy, as the option `like_only` takes them: an empty tuple stands for all of them."""
         chosen = tuple(name for name in options.TRAITS if getattr(self, f"like_{name}"))
         return () if chosen == options.TRAITS else chosen
+
+
+assert tuple(_TRAITS) == options.TRAITS
+PictureSettings.__annotations__ |= {
+    f"like_{name}": BoolProperty(
+        name="Haze" if name == "air" else name.capitalize(), description=f"Copy: {what}", default=True
+    )
+    for name, what in _TRAITS.items()
+}
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -96,26 +86,21 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     if settings.like_from == "IMAGE":
         shown = body.icon(settings.like_image)
     if shown:
-        body.template_icon(icon_value=shown, scale=_SCALE)
+        body.template_icon(icon_value=shown, scale=6.0)  # heights of a button
     grid = body.grid_flow(row_major=True, columns=2, even_columns=True)
     for name in (*options.TRAITS, "same"):
         grid.prop(settings, f"like_{name}")
     drawing.paragraph(body, context, "Copies the look, not the content. The prompt has priority.", faint=True)
 
 
-class VIBE_OT_paste_picture(IdleOperator):
+class VIBE_OT_paste_picture(IdleOperator, label="Paste", options={"UNDO"}):
     """Use the image in the clipboard; it becomes an image of this .blend"""
-
-    bl_label = "Paste"
-    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     def perform(self, context: bpy.types.Context) -> str:
         image = compat.pasted_picture(context)
         if image is None:
-            raise schema.VibeError(
-                "Blender finds no image in the clipboard.",
-                "Copy one first. Some desktops hand Blender none (X11 on Linux): save it, and choose File.",
-            )
+            remedy = "Copy one first. Some desktops hand Blender none (X11 on Linux): save it, and choose File."
+            raise schema.VibeError("Blender finds no image in the clipboard.", remedy)
         image.pack()
         settings = context.scene.vibe
         settings.like_from, settings.like_image = "IMAGE", image

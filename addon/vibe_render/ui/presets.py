@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Presets in the "Vibe" tab: a grid of images to choose from, the chosen preset, and actions on it."""
+"""Presets in the "Vibe" tab: a grid of images to choose from, the chosen preset, actions on it; looks as files."""
 
 from __future__ import annotations
 
-from typing import ClassVar
+from pathlib import Path
+from typing import Any, ClassVar
 
 import bpy
-from bpy.props import StringProperty
+from bpy.props import BoolProperty, CollectionProperty, StringProperty
+from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ..core.schema_import import preset, schema
-from ..looks import library, thumbnail, transfer
+from ..export import reading
+from ..looks import assets, library, lut, thumbnail, transfer
 from ..run.state import addon_state
 from .bases import IdleOperator, IdlePanel, Operator, has_mesh, untouchable
 from .drawing import caption, look_icon, paragraph
@@ -61,8 +64,6 @@ class VIBE_MT_presets(bpy.types.Menu):
 
 class PresetsPanel(IdlePanel):
     """The chosen preset, and the button that shows all of them."""
-
-    bl_label = "Presets"
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         self.layout.menu("VIBE_MT_presets", text="", icon="COLLAPSEMENU")  # type: ignore[attr-defined]
@@ -127,13 +128,13 @@ def _draw_chosen(layout: bpy.types.UILayout, context: bpy.types.Context, look: l
     applied = context.scene.vibe.vibed_preset == look.name
     row.operator("vibe.preset_apply", text="Apply Again" if applied else "Apply", icon="SHADERFX")
     rest = context.window_manager.vibe_presets.rest.splitlines() if applied else []
-    for line in rest[:_SHOWN]:
-        paragraph(box, context, f"Did not fit: {line}", faint=True, letters=letters)
-    if len(rest) > _SHOWN:
-        paragraph(box, context, f"… and {len(rest) - _SHOWN} more", faint=True, letters=letters)
+    lines = [f"Did not fit: {line}" for line in rest[:_SHOWN]]
+    lines += [f"… and {len(rest) - _SHOWN} more"] if len(rest) > _SHOWN else []
+    for line in lines:
+        paragraph(box, context, line, faint=True, letters=letters)
 
 
-class PresetOperator(IdleOperator):
+class _PresetOperator(IdleOperator):
     """An operator on the preset at `path`, or on the chosen one if that is empty."""
 
     path: StringProperty(options={"HIDDEN", "SKIP_SAVE"}, description="The preset's file; empty: the chosen one")
@@ -146,7 +147,7 @@ class PresetOperator(IdleOperator):
         return library.preset_at(self.path or context.window_manager.vibe_presets.chosen)
 
 
-class LookOperator(IdleOperator):
+class _LookOperator(IdleOperator):
     """An operator on the look that the scene has now."""
 
     @classmethod
@@ -154,7 +155,7 @@ class LookOperator(IdleOperator):
         return "" if context.scene.vibe.changes else "Vibe the scene first, or apply a preset"
 
 
-class _OwnPresetOperator(PresetOperator):
+class _OwnPresetOperator(_PresetOperator):
     """An operator on one of the artist's own presets, not on a shipped one."""
 
     @classmethod
@@ -174,11 +175,8 @@ class _NameDialog:
         layout.prop(self, "name")
 
 
-class VIBE_OT_preset_choose(Operator):
+class VIBE_OT_preset_choose(Operator, label="Choose Preset", options={"INTERNAL"}):
     """Choose this preset"""
-
-    bl_label = "Choose Preset"
-    bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
     path: StringProperty()
 
@@ -194,11 +192,8 @@ class VIBE_OT_preset_choose(Operator):
         context.window_manager.vibe_presets.chosen = self.path
 
 
-class VIBE_OT_preset_apply(PresetOperator):
+class VIBE_OT_preset_apply(_PresetOperator, label="Apply", options={"UNDO"}):
     """Give the scene this look. Strength, Before, Keep and Revert work as after a vibe"""
-
-    bl_label = "Apply"
-    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -216,10 +211,8 @@ class VIBE_OT_preset_apply(PresetOperator):
         return f"{look.name} is in the scene{left if rest else ''}"
 
 
-class VIBE_OT_preset_save(_NameDialog, LookOperator):
+class VIBE_OT_preset_save(_NameDialog, _LookOperator, label="Save Preset"):
     """Save the look that the scene has now as a preset, with a picture of it"""
-
-    bl_label = "Save Preset"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         settings = context.scene.vibe
@@ -232,7 +225,6 @@ class VIBE_OT_preset_save(_NameDialog, LookOperator):
         self.layout.label(text="Blender waits for a small render, its picture", icon="TIME")
 
     def perform(self, context: bpy.types.Context) -> str:
-        """Saves the preset with an image, a small render for which Blender waits."""
         scene = context.scene
         look = transfer.capture_preset(scene, scene.vibe.choice(), self.name)
         with thumbnail.rendered_thumbnail(scene) as picture:
@@ -241,10 +233,8 @@ class VIBE_OT_preset_save(_NameDialog, LookOperator):
         return f"Saved as {saved.name}"
 
 
-class VIBE_OT_preset_rename(_NameDialog, _OwnPresetOperator):
+class VIBE_OT_preset_rename(_NameDialog, _OwnPresetOperator, label="Rename Preset"):
     """Give this preset another name"""
-
-    bl_label = "Rename Preset"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         self.name = self.look(context).name
@@ -256,19 +246,131 @@ class VIBE_OT_preset_rename(_NameDialog, _OwnPresetOperator):
         return f"Renamed to {renamed.name}"
 
 
-class VIBE_OT_preset_delete(_OwnPresetOperator):
+class VIBE_OT_preset_delete(_OwnPresetOperator, label="Delete Preset"):
     """Delete this preset and its picture"""
 
-    bl_label = "Delete Preset"
-
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        message = f"{self.look(context).name} will be gone for good."
-        return context.window_manager.invoke_confirm(
-            self, event, title="Delete Preset", message=message, confirm_text="Delete", icon="WARNING"
-        )
+        confirm, message = context.window_manager.invoke_confirm, f"{self.look(context).name} will be gone for good."
+        return confirm(self, event, title="Delete Preset", message=message, confirm_text="Delete", icon="WARNING")
 
     def perform(self, context: bpy.types.Context) -> str:
         look = self.look(context)
         library.delete_preset(look)
         context.window_manager.vibe_presets.chosen = ""
         return f"{look.name} is deleted"
+
+
+class _FileDialog:
+    """A file dialog without the column of options."""
+
+    hide_props_region: BoolProperty(default=True, options={"HIDDEN", "SKIP_SAVE"})
+
+
+class _ExportDialog(_FileDialog, ExportHelper):
+    """A file dialog for saving, with a proposed name."""
+
+    def propose(self, context: bpy.types.Context, event: bpy.types.Event, name: str, folder: str = "") -> set[str]:
+        """Proposes a file for a look, in the last dialog's folder, or else in the given one."""
+        if self.filepath:  # type: ignore[has-type]
+            folder = str(Path(self.filepath).parent)  # type: ignore[has-type]
+        self.filepath = str(library.path_for(Path(folder), name).with_suffix(self.filename_ext))
+        return ExportHelper.invoke(self, context, event)
+
+
+class VIBE_OT_preset_import(IdleOperator, _FileDialog, ImportHelper, label="Import Presets"):
+    """Copy preset files into your presets. Nothing in them is ever run"""
+
+    filename_ext = ".json"
+    filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
+    directory: StringProperty(subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
+    files: CollectionProperty(type=bpy.types.OperatorFileListElement, options={"HIDDEN", "SKIP_SAVE"})
+
+    def perform(self, context: bpy.types.Context) -> str:
+        """Imports every file that is a preset; one message names the others."""
+        paths = [Path(self.directory) / file.name for file in self.files if file.name]
+        paths = paths or [Path(self.filepath)]
+        if paths[0].is_dir():
+            raise schema.VibeError("No file was chosen.", "Choose preset files.")
+        brought, wrong = [], []
+        for path in paths:
+            try:
+                brought.append(library.import_preset(path))
+            except schema.VibeError as error:
+                wrong.append((path.name, error))
+        bad = "Left out: " + "; ".join(f"{name} ({error.message.rstrip('.')})" for name, error in wrong)
+        if not brought:
+            raise wrong[0][1] if len(wrong) == 1 else schema.VibeError(f"{bad}.", "Choose preset files.")
+        context.window_manager.vibe_presets.chosen = str(brought[-1].path)
+        summary = f"{brought[0].name} is" if len(brought) == 1 else f"{len(brought)} presets are"
+        summary += " among your presets"
+        if wrong:
+            self.severity = "WARNING" if bpy.app.background else "ERROR"  # a pop-up; it would stop a script
+        return f"{summary}. {bad}" if wrong else summary
+
+
+class VIBE_OT_preset_export(_PresetOperator, _ExportDialog, label="Export Preset"):
+    """Save this preset and its picture as files, to pass on"""
+
+    filename_ext = ".json"
+    filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        return self.propose(context, event, self.look(context).name)
+
+    def perform(self, context: bpy.types.Context) -> str:
+        library.export_preset(self.look(context), Path(self.filepath))
+        return f"Written: {self.filepath}"
+
+
+class VIBE_OT_export_assets(_LookOperator, _ExportDialog, label="Export as Assets"):
+    """Save materials, world, lights and grade of the look that the scene has now, for the Asset Browser"""
+
+    filename_ext = ".blend"
+    filter_glob: StringProperty(default="*.blend", options={"HIDDEN"})
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Asks where; proposes the first asset library."""
+        libraries = context.preferences.filepaths.asset_libraries
+        return self.propose(context, event, _look_name(context), libraries[0].path if libraries else "")
+
+    def perform(self, context: bpy.types.Context) -> str:
+        scene, path = context.scene, Path(self.filepath)
+        settings = scene.vibe
+        settings.show_original = False
+        keys = [schema.split_key(change.name) for change in settings.changes]
+        names = dict.fromkeys(owner for group, owner, _ in keys if group == "material")
+        all_materials = {material.name_full: material for material in bpy.data.materials}
+        changed = [all_materials[name] for name in names if name in all_materials]
+        analysis = reading.read_scene(scene, settings.choice()).analysis
+        with thumbnail.rendered_thumbnail(scene) as picture:
+            words = settings.vibed_prompt
+            written = assets.export_assets(analysis, _look_name(context), words, changed, path, picture)
+        return f"{len(written)} assets are in {self.filepath}"
+
+
+class VIBE_OT_export_lut(IdleOperator, _ExportDialog, label="Export LUT"):
+    """Save the scene's color grade as a .cube file for other programs: sRGB in, sRGB out"""
+
+    filename_ext = ".cube"
+    filter_glob: StringProperty(default="*.cube", options={"HIDDEN"})
+
+    @classmethod
+    def obstacle(cls, context: bpy.types.Context) -> str:
+        graded, neutral = transfer.grade_values(context.scene), lut.neutral_grade()
+        same = all(value == neutral[name] for name, value in graded.items() if name not in lut.LEFT_OUT)
+        return "The scene's colors are not graded" if same else ""
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        return self.propose(context, event, _look_name(context))
+
+    def perform(self, context: bpy.types.Context) -> str:
+        """Writes the file; the message names effects of the grade that a LUT cannot store."""
+        values, neutral = transfer.grade_values(context.scene), lut.neutral_grade()
+        lut.write_cube(Path(self.filepath), _look_name(context), values)
+        rest = [name for name in lut.LEFT_OUT if values.get(name, neutral[name]) != neutral[name]]
+        return f"Written: {self.filepath}" + (f", without {' and '.join(rest)}" if rest else "")
+
+
+def _look_name(context: bpy.types.Context) -> str:
+    settings: Any = context.scene.vibe
+    return settings.vibed_preset or preset.title(settings.vibed_prompt) or context.scene.name

@@ -4,16 +4,7 @@
 from typing import Any
 
 import bpy
-from bpy.props import (
-    BoolProperty,
-    CollectionProperty,
-    EnumProperty,
-    FloatProperty,
-    FloatVectorProperty,
-    IntProperty,
-    PointerProperty,
-    StringProperty,
-)
+from bpy import props
 
 from ..core import compat, preferences
 from ..core.schema_import import labels, messages, options, schema, targets
@@ -23,18 +14,19 @@ from ..scene.subject import SubjectChoice, forget_subject
 from . import light_mix, live
 from .picture import PictureSettings
 
-_LEFT_ALONE = ("camera",)  # off by default: the artist framed the shot
+SHARED = (  # choices for materials of the subject that other objects use too
+    ("ALL", "Affect All Users", "The other objects change with the subject"),
+    ("SINGLE", "Make Single-User", "The subject gets copies of its own; Revert removes them"),
+)
+_EFFORT = options.named("effort").panel
+_AUTO = "What was chosen before; otherwise the prominent objects in view, without what they stand on or in front of"
 
 
-def declare(name: str, preferences: bool) -> type:
-    """A base class, for a class that Blender registers, with a property for each option of the schema.
-
-    The options are those of the add-on's preferences, or else those of the scene. Options with choices are left out: the
-    panel declares them, with its own titles.
-    """
+def declare(preferences: bool) -> dict[str, Any]:
+    """A property for each option of the schema that is one of the add-on's preferences, or else of the scene."""
     rows = [row for row in options.TABLE if row.panel and row.panel.preferences == preferences]
-    properties = {row.name: _property(row) for row in rows if not row.choices}
-    return type(name, (), {"__annotations__": properties, "__module__": __name__})
+    # The panel declares options with choices, with its own titles.
+    return {row.name: _property(row) for row in rows if not row.choices}
 
 
 def _property(row: options.Option) -> Any:
@@ -42,24 +34,24 @@ def _property(row: options.Option) -> Any:
     assert panel is not None
     facts: dict[str, Any] = {"name": panel.title, "description": panel.description}
     if isinstance(row.default, bool):
-        return BoolProperty(**facts, default=row.default)
+        return props.BoolProperty(**facts, default=row.default)
     if isinstance(row.default, int):
         bounds = panel.bounds or row.bounds
         facts |= {"min": bounds[0], "max": bounds[1]} if bounds else {}
-        return IntProperty(**facts, default=row.default)
+        return props.IntProperty(**facts, default=row.default)
     if panel.suggestions:
         facts |= {"search": lambda _owner, _context, _text: panel.suggestions, "search_options": {"SUGGESTION"}}
     facts |= {"options": {"TEXTEDIT_UPDATE"}, "update": live.typed} if panel.live else {}
     facts |= {"subtype": "FILE_PATH", "options": compat.RELATIVE_PATHS} if panel.path else {}
-    return StringProperty(**facts, default=panel.default, maxlen=panel.length)
+    return props.StringProperty(**facts, default=panel.default, maxlen=panel.length)
 
 
 class VibeChange(bpy.types.PropertyGroup):
     """One value that the last vibe changed. Its `name` is the parameter's key; a scalar is the first component."""
 
-    before: FloatVectorProperty(size=3, subtype="COLOR", description="What it was")
-    after: FloatVectorProperty(size=3, subtype="COLOR", description="What it is with the new look")
-    reason: StringProperty()
+    before: props.FloatVectorProperty(size=3, subtype="COLOR", description="What it was")
+    after: props.FloatVectorProperty(size=3, subtype="COLOR", description="What it is with the new look")
+    reason: props.StringProperty()
 
     def values(self) -> tuple[schema.Values, schema.Values]:
         """The old and the new value, with as many components as the parameter has."""
@@ -67,32 +59,18 @@ class VibeChange(bpy.types.PropertyGroup):
         return tuple(self.before)[:count], tuple(self.after)[:count]
 
 
-class VibeLock(bpy.types.PropertyGroup):
-    """A single value that must stay. Its `name` is the parameter's key."""
-
-
 class VibeTarget(bpy.types.PropertyGroup):
     """The artist's target for a word of the prompt. Its `name` is the word."""
 
-    target: StringProperty(description="A name in the scene, or one of lights, world, image, not used and so on")
+    target: props.StringProperty(description="A name in the scene, or one of lights, world, image, not used and so on")
 
 
-def _toggles() -> dict[str, BoolProperty]:
-    toggles = {}
-    for group in schema.GROUPS:
-        words = [labels.words(p.name) for p in schema.PARAMETERS if p.group == group]
-        names = ", ".join(word if word.isupper() else word.lower() for word in words)  # IOR
-        toggles[f"change_{group}"] = BoolProperty(
-            name=labels.GROUP_TITLES[group], description=f"A vibe may change: {names}", default=group not in _LEFT_ALONE
-        )
-    return toggles
-
-
-_Toggles = type("VibeToggles", (), {"__annotations__": _toggles(), "__module__": __name__})
-
-
-def _mix(settings: "VibeSettings", context: bpy.types.Context) -> None:
-    result.mix(settings.id_data)
+def _group_toggle(group: str) -> Any:
+    words = [labels.words(p.name) for p in schema.PARAMETERS if p.group == group]
+    names = ", ".join(word if word.isupper() else word.lower() for word in words)  # IOR
+    framed = group == "camera"  # the artist framed the shot
+    text = f"A vibe may change: {names}"
+    return props.BoolProperty(name=labels.GROUP_TITLES[group], description=text, default=not framed)
 
 
 def _dim(settings: "VibeSettings", context: bpy.types.Context) -> None:
@@ -100,84 +78,73 @@ def _dim(settings: "VibeSettings", context: bpy.types.Context) -> None:
     if settings.show_original:
         settings.show_original = False  # its update writes the values
     else:
-        _mix(settings, context)
+        result.mix(settings.id_data)
 
 
-_Options = declare("VibeOptions", preferences=False)
-SHARED = (
-    ("ALL", "Affect All Users", "The other objects change with the subject"),
-    ("SINGLE", "Make Single-User", "The subject gets copies of its own; Revert removes them"),
-)
-"""Choices for materials of the subject that other objects use too."""
-_EFFORT = options.named("effort").panel
-
-
-class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup):  # type: ignore[misc]
+class VibeSettings(PictureSettings, bpy.types.PropertyGroup):
     """The panel's fields, and what the last vibe changed."""
 
-    subject: EnumProperty(
+    subject: props.EnumProperty(
         name="Subject",
         description="What the image is about; everything else is its surroundings",
         items=(
-            (
-                "AUTO",
-                "Automatic",
-                "What was chosen before; otherwise the prominent objects in view, without what they stand on or in front of",
-            ),
+            ("AUTO", "Automatic", _AUTO),
             ("SELECTED", "Selected Objects", "What is selected when the vibe starts"),
             ("COLLECTION", "Collection", "Everything in one collection"),
         ),
         update=lambda settings, _context: forget_subject(settings.id_data),
     )
-    collection: PointerProperty(type=bpy.types.Collection, name="Collection", description="What the image is about")
-    effort: EnumProperty(
+    collection: props.PointerProperty(
+        type=bpy.types.Collection, name="Collection", description="What the image is about"
+    )
+    effort: props.EnumProperty(
         name=_EFFORT.title,
         description=_EFFORT.description,
-        items=(
-            *(
-                (name.upper(), name.capitalize(), f"{b.rounds} rounds of {b.steps} steps: {b.summary}")
-                for name, b in schema.BUDGETS.items()
-            ),
-            ("CUSTOM", "Custom", "Your own numbers"),
-        ),
+        items=[
+            (name.upper(), name.capitalize(), f"{b.rounds} rounds of {b.steps} steps: {b.summary}")
+            for name, b in schema.BUDGETS.items()
+        ]
+        + [("CUSTOM", "Custom", "Your own numbers")],
         default=_EFFORT.default,
     )
-    locks: CollectionProperty(type=VibeLock, description="Single values that must stay")
-    targets: CollectionProperty(
+    # The names are keys of parameters.
+    locks: props.CollectionProperty(type=bpy.types.PropertyGroup, description="Single values that must stay")
+    targets: props.CollectionProperty(
         type=VibeTarget, description="What words describe, where you have chosen something else"
     )
-    shared: EnumProperty(
+    shared: props.EnumProperty(
         name="Shared",
         description="Materials of the subject that other objects use too",
         items=(("ASK", "Ask", "Ask when it matters"), *SHARED),
     )
-    strength: FloatProperty(
-        name="Strength",
-        description="From the original (0) to the vibe (1)",
-        default=1.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        update=_dim,
+    strength: props.FloatProperty(
+        name="Strength", description="From the original (0) to the vibe (1)",
+        default=1.0, min=0.0, max=1.0, subtype="FACTOR", update=_dim,
+    )  # fmt: skip
+    show_original: props.BoolProperty(
+        name="Show Original",
+        description="Switch between the scene as it was and the new look, to compare",
+        update=lambda settings, _context: result.mix(settings.id_data),
     )
-    show_original: BoolProperty(
-        name="Show Original", description="Switch between the scene as it was and the new look, to compare", update=_mix
-    )
-    changes: CollectionProperty(type=VibeChange)
-    mix: CollectionProperty(type=light_mix.VibeMixChannel)
-    further: StringProperty(
+    changes: props.CollectionProperty(type=VibeChange)
+    mix: props.CollectionProperty(type=light_mix.VibeMixChannel)
+    further: props.StringProperty(
         name="And Now",
         description="A further sentence, which goes on from the result: a bit warmer; less fog; but leave the sky; back to the first",
         maxlen=schema.limits.LONGEST_PROMPT,
     )
-    edited: IntProperty(description="Number of the step that the further sentence replaces; 0 for another step", min=0)
-    check_every: IntProperty(name="Every", description="Frames from one that is checked to the next", default=10, min=1)
-    vibed_prompt: StringProperty()
-    vibed_goals: StringProperty()  # as JSON, for presets
-    vibed_like: StringProperty(description="The picture that the look comes from, if any")
-    vibed_preset: StringProperty(description="The preset that the look comes from, if any")
-    variant: IntProperty(description="Number of the variant that is in the scene", min=0)
-    pivot: FloatVectorProperty(size=3, description="What lights and camera orbit: the subject's center")
+    edited: props.IntProperty(
+        description="Number of the step that the further sentence replaces; 0 for another step", min=0
+    )
+    check_every: props.IntProperty(
+        name="Every", description="Frames from one that is checked to the next", default=10, min=1
+    )
+    vibed_prompt: props.StringProperty()
+    vibed_goals: props.StringProperty()  # as JSON, for presets
+    vibed_like: props.StringProperty(description="The picture that the look comes from, if any")
+    vibed_preset: props.StringProperty(description="The preset that the look comes from, if any")
+    variant: props.IntProperty(description="Number of the variant that is in the scene", min=0)
+    pivot: props.FloatVectorProperty(size=3, description="What lights and camera orbit: the subject's center")
 
     def choice(self) -> SubjectChoice:
         if self.subject == "COLLECTION" and self.collection:
@@ -214,8 +181,11 @@ class VibeSettings(_Toggles, _Options, PictureSettings, bpy.types.PropertyGroup)
         chosen |= {name: getattr(budget, name) for name in schema.limits.NUMBERS}
         chosen["device"] = chosen.get("device", "").strip().lower() or "auto"
         patterns = filter(None, (pattern.strip() for pattern in self.lock.split(",")))
-        chosen |= {"groups": self.groups(), "lock": [*patterns, *self.locks.keys()]}
-        chosen |= {"target": self.target_pairs()}
+        chosen |= {"groups": self.groups(), "target": self.target_pairs(), "lock": [*patterns, *self.locks.keys()]}
         picture = reference.picture_name(self)  # the session saves the image, and then sets its path
         chosen |= {"like": picture, "like_only": self.traits() if picture else ()}
         return messages.Options.from_dict(chosen | {"online": preferences.online()})
+
+
+VibeSettings.__annotations__ |= declare(preferences=False)
+VibeSettings.__annotations__ |= {f"change_{group}": _group_toggle(group) for group in schema.GROUPS}

@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import bpy
 from bpy.props import IntProperty, StringProperty
@@ -21,27 +21,20 @@ from ..run.session import Session
 from ..run.state import addon_state
 from ..scene import keyframes, moments, own_keys, snapshot
 from . import run, steps
-from .bases import HELD, Operator, ResultOperator, result_obstacle
+from .bases import HELD, Operator, ResultOperator
 from .drawing import GROUP_ICONS, HEX_COLOR, before_after, colored, columns, icon, paragraph, see_rendered
 from .scope import draw_lock
 
-_AGREEMENTS = ((1.0, "matches", True), (3.0, "is close to", True), (math.inf, "differs from", False))
-"""Upper bound of the mean CIEDE2000 between preview and render, the words for it, and whether it is a good result. 1 is
-the least difference that people see side by side."""
-
-_STATES = {
+_STATES = {  # of a word's verdict -> its title and its icon
     "visible": ("Visible", "HIDE_OFF"),
     "already": ("Was so already", "DOT"),
     "unmeasured": ("Set, not measured", "DOT"),
 }
-"""State of a word's verdict -> its title and its icon."""
 _FRAMES = 12  # most checked frames that are listed
 
 
 class ResultPanel:
     """The last vibe: its images, and at once below them Keep and Revert; then what refines and explains it."""
-
-    bl_label = "Result"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -66,7 +59,7 @@ class ResultPanel:
         row.operator("vibe.keep", icon="FILE_TICK")
         row.operator("vibe.keyframe", icon="KEYFRAME")
         row.operator("vibe.revert", icon="LOOP_BACK")
-        if reason := result_obstacle(context):
+        if reason := ResultOperator.obstacle(context):
             paragraph(layout, context, reason, "INFO", faint=True)
         if own_keys.are_held(context.scene):
             paragraph(layout, context, HELD, "KEYFRAME", faint=True)
@@ -133,9 +126,10 @@ def agreement(difference: float, engine: str) -> tuple[str, bool]:
     """The agreement of preview and render in words, and whether it is good; `difference` is their mean CIEDE2000."""
     if engine != "CYCLES":
         return "Preview is Cycles. EEVEE may look different", False
-    words, good = next((words, good) for most, words, good in _AGREEMENTS if difference < most)
+    # 1 is the least difference that people see side by side.
+    words = "matches" if difference < 1.0 else "is close to" if difference < 3.0 else "differs from"
     tenths = max(math.ceil(difference * 10.0), 1)
-    return f"The preview {words} Cycles (ΔE {tenths / 10.0:.1f}; 1 is just visible)", good
+    return f"The preview {words} Cycles (ΔE {tenths / 10.0:.1f}; 1 is just visible)", difference < 3.0
 
 
 def _draw_sequence(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
@@ -143,9 +137,9 @@ def _draw_sequence(layout: bpy.types.UILayout, context: bpy.types.Context, sessi
     row = layout.row(align=True)
     row.operator("vibe.check_sequence", icon="SEQUENCE")
     row.prop(context.scene.vibe, "check_every")
-    lost = [each for each in session.sequence if frame_line(each)]
     if note := steady_line(session.sequence):
         paragraph(layout, context, note, "CHECKMARK")
+    lost = [each for each in session.sequence if frame_line(each)]
     for each in lost[:_FRAMES]:
         if shown := icon(each.picture):
             layout.template_icon(icon_value=shown, scale=5.0)
@@ -164,8 +158,7 @@ def _draw_variants(layout: bpy.types.UILayout, variants: Sequence[tuple[messages
             cell.template_icon(icon_value=shown, scale=max(10.4 / across, 3.2))
         used = number == current
         text = str(number + 1) if used else f"Use {number + 1}"
-        button = cell.operator("vibe.variant", text=text, depress=used)
-        button.number = number
+        cell.operator("vibe.variant", text=text, depress=used).number = number
 
 
 def draw_changes(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -199,9 +192,8 @@ def _draw_changes(layout: bpy.types.UILayout, context: bpy.types.Context, same: 
             values.prop(change, "after", text="")
         else:
             values.alignment = "RIGHT"
-            before, after = change.values()
-            text = f"{labels.bare(change.name, before)} → {labels.text(change.name, after)}"  # the unit once
-            values.label(text=text)
+            before, after = change.values()  # the unit stands there once
+            values.label(text=f"{labels.bare(change.name, before)} → {labels.text(change.name, after)}")
         if not schema.light_links.link_of(change.name):  # no search changes a link
             draw_lock(row, context.scene.vibe, change.name)
     if why:
@@ -212,10 +204,9 @@ def _draw_changes(layout: bpy.types.UILayout, context: bpy.types.Context, same: 
         row.operator("vibe.why", text=text, emboss=False).key = same[-1].name
 
 
-class VIBE_OT_revert(ResultOperator):
+class VIBE_OT_revert(ResultOperator, label="Revert"):
     """Restore the scene exactly as it was before the first vibe"""
 
-    bl_label = "Revert"
     severity = "WARNING"
 
     def perform(self, context: bpy.types.Context) -> str:
@@ -229,16 +220,14 @@ class VIBE_OT_revert(ResultOperator):
         return f"{len(lost)} values could not be restored: {lost[0]}" if lost else ""
 
 
-class VIBE_OT_keep(ResultOperator):
+class VIBE_OT_keep(ResultOperator, label="Keep"):
     """Make the result final. Revert and Save Preset are no longer possible"""
-
-    bl_label = "Keep"
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
         aside = keyframes.exist(context.scene) and not keyframes.are_shown(context.scene)
         reason = "Keyframe this look first: the keyframes of the others are set aside" if aside else ""
-        return result_obstacle(context) or reason
+        return super().obstacle(context) or reason
 
     def perform(self, context: bpy.types.Context) -> str:
         result.keep(context.scene)
@@ -246,16 +235,14 @@ class VIBE_OT_keep(ResultOperator):
         return "The values are yours now. Undo takes that back"
 
 
-class VIBE_OT_keyframe(ResultOperator):
+class VIBE_OT_keyframe(ResultOperator, label="Keyframe"):
     """Keyframe all values of the result at the current frame. Values go from one keyframed look to the next in even steps"""
-
-    bl_label = "Keyframe"
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
         unchanged = "" if context.scene.vibe.changes else "The result has changed nothing"
         held = HELD if own_keys.are_held(context.scene) else ""
-        return result_obstacle(context) or unchanged or held
+        return super().obstacle(context) or unchanged or held
 
     def perform(self, context: bpy.types.Context) -> str:
         if left := result.keyframe(context.scene):
@@ -264,11 +251,8 @@ class VIBE_OT_keyframe(ResultOperator):
         return f"The look is keyframed at frame {context.scene.frame_current}"
 
 
-class VIBE_OT_variant(ResultOperator):
+class VIBE_OT_variant(ResultOperator, label="Variant", options={"UNDO", "INTERNAL"}):
     """Use this variant in place of the other"""
-
-    bl_label = "Variant"
-    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     number: IntProperty(min=0)
 
@@ -279,11 +263,8 @@ class VIBE_OT_variant(ResultOperator):
         result.choose(scene, self.number, session.variants[self.number][0], session.subject(scene))
 
 
-class VIBE_OT_why(Operator):
+class VIBE_OT_why(Operator, label="Why", options={"INTERNAL"}):
     """Why this value changed"""
-
-    bl_label = "Why"
-    bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
     key: StringProperty()
 
@@ -298,20 +279,16 @@ class VIBE_OT_why(Operator):
         return {"CANCELLED"}
 
 
-class VIBE_OT_check_sequence(run.Vibing):
+class VIBE_OT_check_sequence(run.Vibing, label="Check Sequence", options=set()):
     """Measure the words at frames of the scene, from its first to its last. Nothing in the scene changes"""
-
-    bl_label = "Check Sequence"
-    bl_options: ClassVar[set[str]] = set()
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
         session = addon_state.session
-        if reason := result_obstacle(context):
-            return reason
+        reason = HELD if own_keys.are_held(context.scene) else ""
         if not (session and session.report and session.scene == context.scene.name):
-            return "Run the vibe again first: its measures last only as long as Blender runs"
-        return HELD if own_keys.are_held(context.scene) else ""
+            reason = "Run the vibe again first: its measures last only as long as Blender runs"
+        return ResultOperator.obstacle(context) or reason
 
     def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
         session = addon_state.session

@@ -1,34 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vibe It: runs a vibe in the background, draws its progress in the panel, and has the buttons that end it.
-
-A vibe leaves one undo step.
-"""
+"""Vibe It: runs a vibe in the background, draws its progress in the panel, and has the buttons that end it."""
 
 from __future__ import annotations
 
 import contextlib
 import time
-from typing import ClassVar
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
 from ..core.schema_import import errors, schema
+from ..render import reference
 from ..run.driver import LOOKING
 from ..run.notes import failure_note
 from ..run.session import PAUSING, SILENT, Session
 from ..run.state import addon_state
+from ..scene import subject
 from . import bases, drawing, light_mix, live, words
+from .engine_state import engine_state
 from .properties import SHARED
 
 _TICK = 0.02  # seconds between two steps of the session
 _REDRAW = 0.1  # seconds after which the panels are drawn again though the stage is the same
 
 
-class Vibing(bases.Operator):
+# A vibe leaves one undo step. No REGISTER: "Adjust Last Operation" would do it all again.
+class Vibing(bases.Operator, options={"UNDO"}):
     """An operator that runs a vibe: in the background from its button, in one call from a script."""
-
-    bl_options: ClassVar[set[str]] = {"UNDO"}  # no REGISTER: "Adjust Last Operation" would do it all again
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if done := self._start(context, ask=True):
@@ -59,7 +57,16 @@ class Vibing(bases.Operator):
             self._clean_up(context)
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS" and not bpy.app.is_job_running("RENDER"):
-            return self._escape(context)
+            # The first Esc takes the best look so far, if there is one; otherwise the vibe is canceled.
+            if session.can_stop:
+                with contextlib.suppress(schema.VibeError):  # the next tick reports the error
+                    session.stop()
+                context.workspace.status_text_set("Taking the best so far · Esc to cancel")
+                return {"RUNNING_MODAL"}
+            addon_state.cancel()
+            self._clean_up(context)
+            self.report({"INFO"}, "Vibe canceled; the scene is as it was")
+            return {"CANCELLED"}
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         failure = _advance(session)
@@ -95,18 +102,6 @@ class Vibing(bases.Operator):
         """Begins a session, which asks about shared materials if `ask`; None if there is nothing left to do."""
         raise NotImplementedError
 
-    def _escape(self, context: bpy.types.Context) -> set[str]:
-        """The first Esc takes the best look so far, if there is one; otherwise the vibe is canceled."""
-        if self._session.can_stop:
-            with contextlib.suppress(schema.VibeError):  # the next tick reports the error
-                self._session.stop()
-            context.workspace.status_text_set("Taking the best so far · Esc to cancel")
-            return {"RUNNING_MODAL"}
-        addon_state.cancel()
-        self._clean_up(context)
-        self.report({"INFO"}, "Vibe canceled; the scene is as it was")
-        return {"CANCELLED"}
-
     def _done(self, failure: schema.VibeError | None, severity: str) -> set[str]:
         if failure is None:
             note = failure_note(addon_state.session.report) if addon_state.session else ""
@@ -124,10 +119,8 @@ class Vibing(bases.Operator):
         drawing.redraw()
 
 
-class VIBE_OT_run(Vibing):
+class VIBE_OT_run(Vibing, label="Vibe It"):
     """Change the scene's materials, lights, fog and grading until it looks like the words"""
-
-    bl_label = "Vibe It"
 
     again: BoolProperty(name="Retry", description="The same words once more, with another seed", options={"SKIP_SAVE"})
 
@@ -139,7 +132,24 @@ class VIBE_OT_run(Vibing):
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        return bases.obstacle(context)
+        scene = context.scene
+        if addon_state.running:
+            return bases.RUNNING
+        if reason := bases.untouchable(context) or reference.picture_obstacle(scene.vibe):
+            return reason
+        if not scene.vibe.prompt.strip() and not reference.picture_name(scene.vibe):
+            return "Describe a mood first"
+        if not bases.has_mesh(scene):
+            return "The scene has no mesh"
+        if not scene.vibe.groups():
+            return "All groups are locked. Unlock at least one under Affect"
+        if scene.vibe.subject == "COLLECTION" and not scene.vibe.collection:
+            return "Choose the subject's collection"
+        if scene.vibe.subject == "SELECTED" and not (context.selected_objects or subject.recall_subject(scene)):
+            return "Select the subject"
+        if engine_state.problem:
+            return "Set up the engine first"
+        return ""
 
     def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session:
         settings = context.scene.vibe
@@ -167,10 +177,8 @@ class _Running(bases.Operator):
         return "" if addon_state.running else "No vibe is running"
 
 
-class VIBE_OT_stop(_Running):
+class VIBE_OT_stop(bases.Operator, label="Stop"):
     """Stop now, and use the best look so far"""
-
-    bl_label = "Stop"
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -183,20 +191,15 @@ class VIBE_OT_stop(_Running):
             addon_state.session.stop()
 
 
-class VIBE_OT_cancel(_Running):
+class VIBE_OT_cancel(_Running, label="Cancel"):
     """Stop now, and leave the scene as it was"""
-
-    bl_label = "Cancel"
 
     def perform(self, context: bpy.types.Context) -> None:
         addon_state.cancel()
 
 
-class VIBE_OT_answer(_Running):
+class VIBE_OT_answer(_Running, label="Answer", options={"INTERNAL"}):
     """Answer, for this scene's other vibes too"""
-
-    bl_label = "Answer"
-    bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
     shared: EnumProperty(items=SHARED)
 
@@ -210,11 +213,8 @@ class VIBE_OT_answer(_Running):
             addon_state.session.answer(self.shared)
 
 
-class VIBE_OT_dismiss(bases.Operator):
+class VIBE_OT_dismiss(bases.Operator, label="Dismiss", options={"INTERNAL"}):
     """Close this message"""
-
-    bl_label = "Dismiss"
-    bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
     def perform(self, context: bpy.types.Context) -> None:
         addon_state.forget()
@@ -228,7 +228,19 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Sessio
     if session.question:
         _draw_question(box, context, session.question)
     else:
-        _draw_progress(box, context, session)
+        drawing.before_after(box, session.before, session.preview, 11.5)
+        stage, progress = f"{session.stage}…", session.progress
+        if progress and session.stage == LOOKING:
+            left = drawing.duration(progress.seconds_left)
+            stage = f"Round {progress.round} of {progress.rounds}  ·  {left} left"
+        box.progress(factor=session.fraction, text=stage)
+        live.draw_words(box, context, session.words)
+        warnings = [*session.view_notes]
+        if session.silence > SILENT and session.stage not in PAUSING:
+            silence = drawing.duration(session.silence)
+            warnings.append(f"No response from the engine for {silence}. Wait, or cancel and try again.")
+        for warning in warnings:
+            drawing.paragraph(box, context, warning, "ERROR")
     if session.look:
         drawing.see_rendered(box, context)
     buttons = box.column(align=True)
@@ -240,26 +252,10 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Sessio
     drawing.caption(box, "Blender pauses for a moment" if session.stage in PAUSING else esc)
 
 
-def _draw_progress(box: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
-    drawing.before_after(box, session.before, session.preview, 11.5)
-    stage, progress = f"{session.stage}…", session.progress
-    if progress and session.stage == LOOKING:
-        left = drawing.duration(progress.seconds_left)
-        stage = f"Round {progress.round} of {progress.rounds}  ·  {left} left"
-    box.progress(factor=session.fraction, text=stage)
-    live.draw_words(box, context, session.words)
-    for note in session.view_notes:
-        drawing.paragraph(box, context, note, "ERROR")
-    if session.silence > SILENT and session.stage not in PAUSING:
-        note = f"No response from the engine for {drawing.duration(session.silence)}. Wait, or cancel and try again."
-        drawing.paragraph(box, context, note, "ERROR")
-
-
 def _draw_question(layout: bpy.types.UILayout, context: bpy.types.Context, question: dict[str, list[str]]) -> None:
     """The shared materials, and the two answers."""
-    drawing.paragraph(
-        layout, context, "The subject shares materials with other objects. May these change, too?", "INFO"
-    )
+    text = "The subject shares materials with other objects. May these change, too?"
+    drawing.paragraph(layout, context, text, "INFO")
     for name, users in list(question.items())[:4]:
         more = f" and {len(users) - 2} more" if len(users) > 2 else ""
         drawing.paragraph(layout, context, f"{name}, also on {', '.join(users[:2])}{more}", "MATERIAL")

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 import bpy
 from bpy.props import CollectionProperty, IntProperty, StringProperty
@@ -18,8 +18,6 @@ _listed: tuple = ()  # fingerprint of the scene that the list shows, or that a t
 
 class ScopePanel(IdlePanel):
     """The groups that may change, and the subject."""
-
-    bl_label = "Affect"
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
@@ -38,8 +36,6 @@ class ScopePanel(IdlePanel):
 
 class ValuesPanel(IdlePanel):
     """Every single value of the scene, with a lock."""
-
-    bl_label = "Individual Locks"
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         if count := len(context.scene.vibe.locks):
@@ -99,18 +95,7 @@ class VibeValues(bpy.types.PropertyGroup):
 class VIBE_UL_values(bpy.types.UIList):
     """One value and its lock on each line."""
 
-    def draw_item(
-        self,
-        context: bpy.types.Context,
-        layout: bpy.types.UILayout,
-        _data: Any,
-        item: VibeValue,
-        _icon: int,
-        _active_data: Any,
-        _active: str,
-        _index: int = 0,
-        _flag: int = 0,
-    ) -> None:
+    def draw_item(self, context, layout, _data, item, _icon, _active_data, _active) -> None:
         """Draws a line: group, whose value, lock."""
         settings, reason = context.scene.vibe, item.reason
         group = schema.split_key(item.name)[0]
@@ -131,19 +116,15 @@ class VIBE_UL_values(bpy.types.UIList):
 
 def draw_lock(layout: bpy.types.UILayout, settings: Any, key: str, reason: str = "") -> None:
     """Draws the lock of a value. With a reason why the value must stay, it is closed, and the reason is its tooltip."""
-    locked = key in settings.locks
     row = layout.row()
     row.enabled = not reason
-    icon = "LOCKED" if locked or reason else "UNLOCKED"
+    icon = "LOCKED" if reason or key in settings.locks else "UNLOCKED"
     button = row.operator("vibe.lock", text="", icon=icon, emboss=False)
     button.key, button.reason = key, reason
 
 
-class VIBE_OT_lock(Operator):
+class VIBE_OT_lock(Operator, label="Lock", options={"UNDO", "INTERNAL"}):
     """Lock a value, or unlock it"""
-
-    bl_label = "Lock"
-    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     key: StringProperty()
     reason: StringProperty()
@@ -165,11 +146,8 @@ class VIBE_OT_lock(Operator):
             locks.add().name = self.key
 
 
-class VIBE_OT_unlock_all(Operator):
+class VIBE_OT_unlock_all(Operator, label="Unlock All", options={"UNDO"}):
     """Unlock all values that are locked one by one"""
-
-    bl_label = "Unlock All"
-    bl_options: ClassVar[set[str]] = {"UNDO"}
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
@@ -181,8 +159,6 @@ class VIBE_OT_unlock_all(Operator):
 
 class AdvancedPanel(IdlePanel):
     """Numbers that few need."""
-
-    bl_label = "Advanced"
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]

@@ -6,6 +6,7 @@ from __future__ import annotations
 import shutil
 import time
 from pathlib import Path
+from typing import Any
 
 import bpy
 from bpy.props import EnumProperty, StringProperty
@@ -25,30 +26,24 @@ _EVERY = 3.0  # seconds between two measurements of the cache: Blender draws man
 
 _measured: dict[Path, tuple[float, str]] = {}  # when a folder was measured, and its size in words
 
-_Options = declare("VibeEngineOptions", preferences=True)
+
+def _folder(name: str, description: str) -> Any:
+    return StringProperty(name=name, description=description, subtype="DIR_PATH")
 
 
-class VibePreferences(_Options, bpy.types.AddonPreferences):  # type: ignore[misc]
+class VibePreferences(bpy.types.AddonPreferences):
     """The add-on's preferences, kept with Blender's own."""
 
     bl_idname = ADDON
 
-    engine: StringProperty(
-        name="Engine",
-        description="Folder of the Python environment that the engine runs in. Empty: look for it",
-        subtype="DIR_PATH",
-    )
+    engine: _folder("Engine", "Folder of the Python environment that the engine runs in. Empty: look for it")
+    cache: _folder("Cache", "Folder for what can be made again, such as a model's answers. Empty: the extension's own")
     vlm_key: StringProperty(
         name="Key",
         description="The endpoint's API key; servers on this computer need none. It is kept in Blender's "
         "preferences only. Empty: the environment variable VIBE_VLM_KEY or OPENAI_API_KEY",
         subtype="PASSWORD",
         maxlen=1024,  # long keys are cut without it
-    )
-    cache: StringProperty(
-        name="Cache",
-        description="Folder for what can be made again, such as a model's answers. Empty: the extension's own",
-        subtype="DIR_PATH",
     )
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -62,13 +57,13 @@ class VibePreferences(_Options, bpy.types.AddonPreferences):  # type: ignore[mis
         split.label()
         about = split.column()
         _draw_engine_line(about)
-        if not engine_state.setting_up:
+        if not engine_state.setup:
             row = about.row(align=True)
             row.operator("vibe.setup_engine", icon="IMPORT")
             row.operator("vibe.test_engine")
             row.operator("vibe.look_for_engine", text="", icon="FILE_REFRESH")
             row.operator("vibe.remove_engine", text="", icon="TRASH")
-        if engine_state.outcome and not engine_state.testing:
+        if engine_state.outcome and not engine_state.test_work:
             icon = "CHECKMARK" if engine_state.succeeded else "ERROR"
             letters = int(drawing.columns(context) * 0.55)
             drawing.paragraph(about, context, engine_state.outcome, icon, letters=letters)
@@ -91,6 +86,9 @@ class VibePreferences(_Options, bpy.types.AddonPreferences):  # type: ignore[mis
         row.operator("vibe.clear_cache", icon="TRASH")
 
 
+VibePreferences.__annotations__ |= declare(preferences=True)
+
+
 def _section(layout: bpy.types.UILayout, title: str, icon: str) -> bpy.types.UILayout:
     box = layout.box()
     box.label(text=title, icon=icon)
@@ -99,14 +97,13 @@ def _section(layout: bpy.types.UILayout, title: str, icon: str) -> bpy.types.UIL
 
 def _draw_engine_line(layout: bpy.types.UILayout) -> None:
     """Draws a line on the engine's folder, or on the progress of its setup."""
-    setup = engine_state.setup
-    if setup and setup.running:
+    if setup := engine_state.setup:
         row = layout.row(align=True)
         row.progress(factor=setup.fraction or 0.0, text=setup.text)
         row.operator("vibe.cancel_setup", text="", icon="X")
-    elif engine_state.testing:
+    elif engine_state.test_work:
         layout.label(text="Starting the engine to see whether it answers…", icon="TIME")
-    elif engine_state.searching:
+    elif engine_state.search_work:
         layout.label(text="Looking for the engine…", icon="TIME")
     elif engine_state.python:
         folder, home = engine_state.python.parent.parent, Path.home()
@@ -146,7 +143,7 @@ def draw_failure(layout: bpy.types.UILayout, context: bpy.types.Context, failure
 def draw_no_engine(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """Draws a line on the missing engine and the buttons that get it, or the progress of its setup."""
     box = layout.box()
-    if engine_state.setting_up:
+    if engine_state.setup:
         _draw_engine_line(box)
         return
     drawing.paragraph(box, context, "No engine yet. Presets work without it", "INFO")
@@ -167,61 +164,53 @@ def _draw_engine_buttons(layout: bpy.types.UILayout) -> None:
     row.operator("preferences.addon_show", text="Preferences", icon="PREFERENCES").module = ADDON
 
 
-class VIBE_OT_setup_engine(Operator):
+class VIBE_OT_setup_engine(Operator, label="Set Up Engine"):
     """Download the engine once, into the extension's own folder: Python packages. What they are and how large is said first"""
-
-    bl_label = "Set Up Engine"
 
     build: EnumProperty(
         name="Runs On",
         description="What the engine computes on",
-        items=[(b.key, b.name, f"{b.download} GB to download") for b in engine_setup.choices()],
-        default=engine_setup.suggested().key,
+        items=[(key, b.name, f"{b.download} GB to download") for key, b in engine_setup.choices().items()],
+        default=engine_setup.suggested(),
         options={"SKIP_SAVE"},
     )
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
         off = "" if preferences.online() else "Online access is off: see Preferences > System > Network"
-        return off or ("It is being set up already" if engine_state.setting_up else "")
+        return off or ("It is being set up already" if engine_state.setup else "")
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Says what will be downloaded, and lets the artist choose; nothing is downloaded before that."""
-        return context.window_manager.invoke_props_dialog(
-            self, width=_DIALOG_WIDTH, title="Set Up Engine", confirm_text="Download"
-        )
+        dialog = context.window_manager.invoke_props_dialog
+        return dialog(self, width=_DIALOG_WIDTH, title="Set Up Engine", confirm_text="Download")
 
     def draw(self, context: bpy.types.Context) -> None:
         column = self.layout.column()
         if len(engine_setup.choices()) > 1:
             column.row().prop(self, "build", expand=True)
-        for line in engine_setup.download_text(engine_setup.by_key(self.build), setup_folder()):
+        for line in engine_setup.download_text(engine_setup.choices()[self.build], setup_folder()):
             drawing.paragraph(column, context, line, letters=_DIALOG_LETTERS)
 
     def perform(self, context: bpy.types.Context) -> None:
         try:
-            engine_state.set_up(engine_setup.by_key(self.build))
+            engine_state.set_up(engine_setup.choices()[self.build])
         except schema.VibeError as error:
             engine_state.outcome, engine_state.succeeded = str(error), False
             raise
 
 
-class VIBE_OT_remove_engine(IdleOperator):
+class VIBE_OT_remove_engine(IdleOperator, label="Remove Engine"):
     """Delete the engine that Set Up Engine has downloaded. Presets and settings stay"""
-
-    bl_label = "Remove Engine"
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        if engine_state.setting_up:
+        if engine_state.setup:
             return "It is being set up"
         return "" if setup_folder().is_dir() else "Set Up Engine has downloaded none"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        message = f"{cache_size(setup_folder())} in {setup_folder()}"
-        return context.window_manager.invoke_confirm(
-            self, event, title="Remove Engine", message=message, confirm_text="Remove", icon="WARNING"
-        )
+        confirm, message = context.window_manager.invoke_confirm, f"{cache_size(setup_folder())} in {setup_folder()}"
+        return confirm(self, event, title="Remove Engine", message=message, confirm_text="Remove", icon="WARNING")
 
     def perform(self, context: bpy.types.Context) -> str:
         addon_state.close()
@@ -233,29 +222,23 @@ class VIBE_OT_remove_engine(IdleOperator):
         return "The engine is removed"
 
 
-class VIBE_OT_cancel_setup(Operator):
+class VIBE_OT_cancel_setup(Operator, label="Cancel"):
     """Stop setting up the engine, and remove what has been installed of it"""
-
-    bl_label = "Cancel"
 
     def perform(self, context: bpy.types.Context) -> None:
         if engine_state.setup:
             engine_state.setup.cancel()
 
 
-class VIBE_OT_look_for_engine(Operator):
+class VIBE_OT_look_for_engine(Operator, label="Look Again"):
     """Look for the engine once more"""
-
-    bl_label = "Look Again"
 
     def perform(self, context: bpy.types.Context) -> None:
         engine_state.search(engine_choice(context), again=True)
 
 
-class VIBE_OT_test_engine(Operator):
+class VIBE_OT_test_engine(Operator, label="Test Engine"):
     """Start the engine once and see whether it answers"""
-
-    bl_label = "Test Engine"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Tests in the background; the result is shown under the button."""
@@ -267,10 +250,8 @@ class VIBE_OT_test_engine(Operator):
         return f"Engine {version(engine_choice(context))} answers"
 
 
-class VIBE_OT_clear_cache(Operator):
+class VIBE_OT_clear_cache(Operator, label="Clear"):
     """Delete what the engine keeps; it is made again when it is needed"""
-
-    bl_label = "Clear"
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:

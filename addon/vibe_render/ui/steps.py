@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 import bpy
 from bpy.props import EnumProperty, IntProperty
@@ -67,14 +67,12 @@ def _current(scene: bpy.types.Scene) -> Steps:
     return steps
 
 
-class VIBE_OT_further(run.Vibing):
+class VIBE_OT_further(run.Vibing, label="Go On"):
     """Go on from the result by this sentence: what it does not mention stays"""
-
-    bl_label = "Go On"
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:
-        reason = bases.result_obstacle(context)
+        reason = bases.ResultOperator.obstacle(context)
         if not reason and not context.scene.vibe.further.strip():
             reason = "Say what is to change first"
         return reason or ("Set up the engine first" if engine_state.problem else "")
@@ -100,11 +98,8 @@ class VIBE_OT_further(run.Vibing):
         return super()._done(failure, severity)
 
 
-class VIBE_OT_step(bases.ResultOperator):
+class VIBE_OT_step(bases.ResultOperator, label="Step", options={"UNDO", "INTERNAL"}):
     """Change the list of steps"""
-
-    bl_label = "Step"
-    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     number: IntProperty(min=1)
     act: EnumProperty(items=[(act, act.title(), text) for act, text in _ACTS.items()])

@@ -1,16 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The words of the prompt, each marked as understood, guessed or left out, with a menu of targets and other words.
-
-Also the history of prompts, with the targets of their words, the newest first: one small file for all scenes of a user.
-"""
+"""The words of the prompt, marked as understood, guessed or left out, with a menu of targets; the history of prompts."""
 
 from __future__ import annotations
 
 import contextlib
 import json
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from typing import ClassVar
+from collections.abc import Sequence
 
 import bpy
 from bpy.props import StringProperty
@@ -33,62 +29,41 @@ _MOST = 30  # prompts that are kept
 _NAME = "prompts.json"
 
 
-def keep_up(context: bpy.types.Context) -> None:
-    """Starts a timer that has new words read, if an engine runs; a panel may call this whenever it is drawn."""
-    due = addon_state.readings.due(context.scene, addon_state.live_job(context.scene))
-    if due and addon_state.engine_runs:
-        drawing.begin(_tick, 0.0)
-
-
 def _tick() -> float | None:
-    context, readings = bpy.context, addon_state.readings
+    scene, readings = bpy.context.scene, addon_state.readings
     if addon_state.running or not addon_state.engine_runs:
         readings.forget()
         return None
     with contextlib.suppress(schema.VibeError):  # the next vibe says why the engine is gone
-        if readings.step(addon_state.engine(context), context.scene, addon_state.live_job(context.scene)):
+        if readings.step(addon_state.engine(bpy.context), scene, addon_state.live_job(scene)):
             drawing.redraw()
-    return _TICK if readings.due(context.scene, addon_state.live_job(context.scene)) else None
+    return _TICK if readings.due(scene, addon_state.live_job(scene)) else None
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """Draws the words as lines of buttons, which open a menu for each word; and a note if nothing is understood."""
+    if addon_state.engine_runs and addon_state.readings.due(context.scene, addon_state.live_job(context.scene)):
+        drawing.begin(_tick, 0.0)  # has new words read
     readings = addon_state.readings.newest
     if readings.note:
         drawing.paragraph(layout, context, readings.note, "INFO", faint=True)
     column = layout.column(align=True)
     column.scale_y = 0.9
-    for line in _lines(readings.words, drawing.columns(context)):
-        row = column.row(align=True)
-        row.alignment = "LEFT"
-        for word in line:
-            place = row.row(align=True)
-            place.alignment, place.active = "LEFT", word.state != "left out"
-            icon = _STATE_ICONS[word.state]
-            button = place.operator("vibe.reading", text=word.text, icon=icon, emboss=False)
-            button.key, button.state, button.meaning = word.key, word.state, word.meaning
-
-
-def _lines(words: Iterable[messages.WordReading], width: int) -> Iterator[list[messages.WordReading]]:
-    """Words, broken into lines of at most `width` characters; each line has at least one word."""
-    line: list[messages.WordReading] = []
-    used = 0
-    for word in words:
+    left = 0  # characters that still fit into the line
+    for word in readings.words:
         needed = len(word.text) + _MARGIN + (0 if word.state == "understood" else _ICON)
-        if line and used + needed > width:
-            yield line
-            line, used = [], 0
-        line.append(word)
-        used += needed
-    if line:
-        yield line
+        if needed > left:
+            row, left = column.row(align=True), drawing.columns(context)
+            row.alignment = "LEFT"
+        left -= needed
+        place = row.row(align=True)
+        place.alignment, place.active = "LEFT", word.state != "left out"
+        button = place.operator("vibe.reading", text=word.text, icon=_STATE_ICONS[word.state], emboss=False)
+        button.key, button.state, button.meaning = word.key, word.state, word.meaning
 
 
-class VIBE_OT_reading(Operator):
+class VIBE_OT_reading(Operator, label="Reading of a Word", options={"INTERNAL"}):
     """Show how this word is understood, and what it could be taken for instead"""
-
-    bl_label = "Reading of a Word"
-    bl_options: ClassVar[set[str]] = {"INTERNAL"}
 
     key: StringProperty(description="What a target calls the word")
     state: StringProperty()
@@ -99,11 +74,9 @@ class VIBE_OT_reading(Operator):
         return f"{properties.state.capitalize()}: {properties.meaning}. Click to say what it describes"
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        word = self._word()
-        if word is None:
-            return {"CANCELLED"}
-        context.window_manager.popup_menu(self._draw, title=f"“{word.text}”: {word.state}")
-        return {"FINISHED"}
+        if word := self._word():
+            context.window_manager.popup_menu(self._draw, title=f"“{word.text}”: {word.state}")
+        return {"FINISHED"} if word else {"CANCELLED"}
 
     def _word(self) -> messages.WordReading | None:
         """The newest reading of the word; None if the prompt no longer has it."""
@@ -120,21 +93,19 @@ class VIBE_OT_reading(Operator):
             button = layout.operator("vibe.reword", text=f"Say “{other}” instead")
             button.word, button.other = word.text, other
         if scene.vibe.targets.get(word.key):
-            self._draw_target(layout, "", "As it is read", "LOOP_BACK")
+            self._draw_target(layout, "", "LOOP_BACK", "As it is read")
         for name in word.candidates:
             icon = "RADIOBUT_ON" if name == word.candidates[0] else _icon(scene, name)
-            self._draw_target(layout, name, _description(name), icon)
-        self._draw_selection(layout, context, word)
+            self._draw_target(layout, name, icon)
+        self._draw_selection(layout, scene, word)
         if word.targets:
             layout.separator()
         for name in word.targets:
-            self._draw_target(layout, name, _description(name), _icon(scene, name))
+            self._draw_target(layout, name, _icon(scene, name))
 
-    def _draw_selection(
-        self, layout: bpy.types.UILayout, context: bpy.types.Context, word: messages.WordReading
-    ) -> None:
+    def _draw_selection(self, layout: bpy.types.UILayout, scene: bpy.types.Scene, word: messages.WordReading) -> None:
         """Offers all selected objects, or all selected lights, as one target, if the word can describe that kind."""
-        scene, offered = context.scene, (*word.candidates, *word.targets)
+        offered = (*word.candidates, *word.targets)
         selected = [obj for obj in rendered.shown(scene) if obj.select_get()]
         things = [obj.name for obj in selected if obj.type in rendered.GEOMETRY and obj.material_slots]
         lights = [obj.name for obj in selected if obj.type == "LIGHT"]
@@ -144,15 +115,12 @@ class VIBE_OT_reading(Operator):
         if (things and lights) or not chosen or target in offered or _icon(scene, target) not in kinds:
             return
         listed = targets.listed(target) if len(chosen) <= _FEW else f"{len(chosen)} objects"
-        self._draw_target(layout, target, f"Describes the selected: {listed}", "RESTRICT_SELECT_OFF")
+        self._draw_target(layout, target, "RESTRICT_SELECT_OFF", f"Describes the selected: {listed}")
 
-    def _draw_target(self, layout: bpy.types.UILayout, target: str, text: str, icon: str) -> None:
+    def _draw_target(self, layout: bpy.types.UILayout, target: str, icon: str, text: str = "") -> None:
+        text = text or ("Do not use it" if target == targets.NOT_USED else f"Describes {targets.listed(target)}")
         button = layout.operator("vibe.describe", text=text, icon=icon)
         button.word, button.target = self.key, target
-
-
-def _description(name: str) -> str:
-    return "Do not use it" if name == targets.NOT_USED else f"Describes {targets.listed(name)}"
 
 
 def _icon(scene: bpy.types.Scene, name: str) -> str:
@@ -164,11 +132,8 @@ def _icon(scene: bpy.types.Scene, name: str) -> str:
     return "LIGHT" if obj.type == "LIGHT" else "OBJECT_DATA"
 
 
-class VIBE_OT_describe(Operator):
+class VIBE_OT_describe(Operator, label="Describes", options={"UNDO", "INTERNAL"}):
     """Say what this word describes, where it is taken for something else"""
-
-    bl_label = "Describes"
-    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     word: StringProperty(description="What a target calls the word")
     target: StringProperty(description="Empty: as the word is read")
@@ -177,59 +142,40 @@ class VIBE_OT_describe(Operator):
         context.scene.vibe.set_target(self.word, self.target)
 
 
-class VIBE_OT_reword(Operator):
+class VIBE_OT_reword(Operator, label="Another Word", options={"UNDO", "INTERNAL"}):
     """Put another word in the place of this one"""
-
-    bl_label = "Another Word"
-    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     word: StringProperty()
     other: StringProperty()
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Replaces the last word of `word` in the prompt: an intensity before it, such as "very", stays."""
-        settings = context.scene.vibe
-        unknown = self.word.rpartition(" ")[2]
+        settings, unknown = context.scene.vibe, self.word.rpartition(" ")[2]
         pattern = re.compile(rf"(?<!\w){re.escape(unknown)}(?!\w)", re.IGNORECASE)
-        changed, count = pattern.subn(lambda _: self.other, settings.prompt, count=1)
-        if not count:
+        if not pattern.search(settings.prompt):
             self.report({"WARNING"}, f"The prompt does not say “{unknown}” any more")
             return {"CANCELLED"}
-        settings.prompt = changed
+        settings.prompt = pattern.sub(lambda _: self.other, settings.prompt, count=1)
         return {"FINISHED"}
 
 
-def prompts() -> list[str]:
-    """The stored prompts, the newest first; none if the file cannot be read."""
-    return [text for text, _ in _stored()]
-
-
-def targets_of(prompt: str) -> list[str]:
-    """The artist's targets for words of a stored prompt: "copper=Cup"."""
-    return next((pairs for text, pairs in _stored() if text == prompt), [])
+def history() -> dict[str, list[str]]:
+    """The stored prompts of a user, the newest first, each with the artist's targets for its words: "copper=Cup"."""
+    try:
+        rows = json.loads((own_folder("") / _NAME).read_text(encoding="utf-8"))
+        return dict((row, []) if isinstance(row, str) else (row["prompt"], row["targets"]) for row in rows)
+    except (OSError, ValueError, TypeError, KeyError):  # unreadable, or not of the expected form
+        return {}
 
 
 def remember(prompt: str, pairs: Sequence[str] = ()) -> None:
     """Stores a prompt and its targets as the newest, and drops the oldest; ignores a file that cannot be written."""
-    kept = [(prompt, [*pairs]), *(each for each in _stored() if each[0] != prompt)][:_MOST]
-    rows = [{"prompt": text, "targets": each} for text, each in kept]
-    with contextlib.suppress(OSError, schema.VibeError), whole(own_folder("", create=True) / _NAME) as part:
-        part.write_text(json.dumps(rows, ensure_ascii=False, indent=1), encoding="utf-8")
-
-
-def _stored() -> list[tuple[str, list[str]]]:
-    """The prompts with their targets; none if the file cannot be read, or does not have the expected form."""
-    try:
-        rows = json.loads((own_folder("") / _NAME).read_text(encoding="utf-8"))
-        return [(row, []) if isinstance(row, str) else (row["prompt"], row["targets"]) for row in rows]
-    except (OSError, ValueError, TypeError, KeyError):
-        return []
-
-
-def clear() -> None:
-    """Deletes the history."""
-    with contextlib.suppress(OSError):
-        (own_folder("") / _NAME).unlink(missing_ok=True)
+    kept = {prompt: [*pairs]} | {text: each for text, each in history().items() if text != prompt}
+    rows = [{"prompt": text, "targets": each} for text, each in kept.items()][:_MOST]
+    with contextlib.suppress(OSError, schema.VibeError):
+        own_folder("").mkdir(parents=True, exist_ok=True)
+        with whole(own_folder("") / _NAME) as part:
+            part.write_text(json.dumps(rows, ensure_ascii=False, indent=1), encoding="utf-8")
 
 
 class VIBE_MT_history(bpy.types.Menu):
@@ -239,8 +185,8 @@ class VIBE_MT_history(bpy.types.Menu):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
-        earlier = prompts()
-        for text in earlier[:20]:
+        earlier = history()
+        for text in list(earlier)[:20]:
             layout.operator("vibe.recall", text=text if len(text) < 70 else f"{text[:67]}…").prompt = text
         if earlier:
             layout.separator()
@@ -249,11 +195,8 @@ class VIBE_MT_history(bpy.types.Menu):
             layout.label(text="Nothing yet")
 
 
-class VIBE_OT_recall(Operator):
+class VIBE_OT_recall(Operator, label="Recall", options={"UNDO", "INTERNAL"}):
     """Put these words into the prompt"""
-
-    bl_label = "Recall"
-    bl_options: ClassVar[set[str]] = {"UNDO", "INTERNAL"}
 
     prompt: StringProperty()
 
@@ -266,15 +209,14 @@ class VIBE_OT_recall(Operator):
         settings = context.scene.vibe
         settings.prompt = self.prompt
         known = (targets.GENERAL, context.scene.objects, bpy.data.materials)
-        for word, target in checks.targets(targets_of(self.prompt)).items():
+        for word, target in checks.targets(history().get(self.prompt, ())).items():
             if all(any(name in names for names in known) for name in targets.target_names(target)):
                 settings.set_target(word, target)
 
 
-class VIBE_OT_clear_history(Operator):
+class VIBE_OT_clear_history(Operator, label="Clear History"):
     """Forget the prompts that were typed"""
 
-    bl_label = "Clear History"
-
     def perform(self, context: bpy.types.Context) -> None:
-        clear()
+        with contextlib.suppress(OSError):
+            (own_folder("") / _NAME).unlink(missing_ok=True)
