@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
+from bpy.types import Object, Scene
 from mathutils import Vector
 
 from ..core import names, rendered
@@ -49,20 +50,14 @@ class SceneCapture:
 
 @dataclass(frozen=True)
 class SceneAnalysis:
-    """A scene's geometry, visible surfaces and subject, before anything is changed.
+    """A scene's geometry, visible surfaces and subject, before anything is changed."""
 
-    Attributes:
-        is_subject: (number of objects in the geometry,) bool.
-        objects: The subject's objects, including the instancers that make it.
-        low, high: Corners of the subject's bounding box, world space, meters.
-    """
-
-    scene: bpy.types.Scene
+    scene: Scene
     geometry: SceneGeometry
     visible: visibility.VisibleSurfaces
-    is_subject: np.ndarray
-    objects: tuple[bpy.types.Object, ...]
-    low: tuple[float, float, float]
+    is_subject: np.ndarray  # (number of objects in the geometry,) bool
+    objects: tuple[Object, ...]
+    low: tuple[float, float, float]  # and `high`: corners of the subject's bounding box, world space, meters
     high: tuple[float, float, float]
 
     @property
@@ -76,7 +71,7 @@ class SceneAnalysis:
         return SceneContext(self.scene, self.objects, Vector(self.pivot))
 
 
-def check_scene(scene: bpy.types.Scene) -> None:
+def check_scene(scene: Scene) -> None:
     """Makes names readable, and raises a VibeError if the scene's camera cannot be used.
 
     Refused are panoramic cameras, objects of another type, and a matrix that is not finite. A scene without a camera is
@@ -96,7 +91,7 @@ def check_scene(scene: bpy.types.Scene) -> None:
         raise schema.VibeError(f"{camera.name} has no usable place: it is not a number.", "Move it back.")
 
 
-def capture(scene: bpy.types.Scene) -> SceneCapture:
+def capture(scene: Scene) -> SceneCapture:
     """Copies what a render of the scene shows; changes only unreadable names. Raises VibeError without a usable camera."""
     if scene.camera is None:
         raise schema.VibeError("The scene has no camera.", "Add one, and aim it at the subject.")
@@ -111,18 +106,21 @@ def data_blocks() -> frozenset[tuple[str, str]]:
     return frozenset(objects) | {("material", m.name_full) for m in bpy.data.materials}
 
 
-def analyze(
-    scene: bpy.types.Scene, choice: subject.SubjectChoice, visible_scene: VisibleScene | None = None
-) -> SceneAnalysis:
-    """Analyzes a scene without changing it. If `visible_scene` is None, the scene is captured first.
+def analyze(scene: Scene, choice: subject.SubjectChoice, visible_scene: VisibleScene | None = None) -> SceneAnalysis:
+    """Analyzes a scene, by default as it is now, without changing it.
 
-    Raises:
-        VibeError: There is no mesh, no usable camera, no mesh in view, or no subject as chosen.
+    Raises VibeError without a mesh, a usable camera, a mesh in view, or the chosen subject.
     """
     visible_scene = visible_scene or capture(scene).visible_scene()
     geometry, visible = visible_scene.geometry, visible_scene.visible
     if not len(geometry.faces):
-        raise _no_mesh(scene)
+        full = [s.name for s in bpy.data.scenes if s != scene and any(o.type in GEOMETRY for o in s.objects)]
+        if full:
+            message = f'The scene "{scene.name}" has no mesh that a render shows.'
+            raise schema.VibeError(message, f'Save the file with another scene open: "{full[0]}" has meshes.')
+        excluded = [c.name for c in rendered.layer(scene).layer_collection.children if c.exclude]
+        remedy = f'Include "{excluded[0]}" in the view layer.' if excluded else "Add one, or unhide it for renders."
+        raise schema.VibeError("The scene has no mesh that a render shows.", remedy)
     if (visible.object < 0).all():
         raise schema.VibeError("The camera sees no mesh.", "Point the scene's camera at the subject.")
     is_subject = subject.choose_subject(scene, geometry, visible, choice)
@@ -131,17 +129,6 @@ def analyze(
     names = {n for keep, pair in zip(is_subject, geometry.objects, strict=True) if keep for n in pair if n}
     objects = tuple(o for o in scene.objects if o.name_full in names)
     return SceneAnalysis(scene, geometry, visible, is_subject, objects, tuple(low.tolist()), tuple(high.tolist()))
-
-
-def _no_mesh(scene: bpy.types.Scene) -> schema.VibeError:
-    """The error for a scene without a visible mesh; names another scene with meshes or an excluded collection, if any."""
-    full = [s.name for s in bpy.data.scenes if s != scene and any(o.type in GEOMETRY for o in s.objects)]
-    if full:
-        message = f'The scene "{scene.name}" has no mesh that a render shows.'
-        return schema.VibeError(message, f'Save the file with another scene open: "{full[0]}" has meshes.')
-    excluded = [c.name for c in rendered.layer(scene).layer_collection.children if c.exclude]
-    remedy = f'Include "{excluded[0]}" in the view layer.' if excluded else "Add one, or unhide it for renders."
-    return schema.VibeError("The scene has no mesh that a render shows.", remedy)
 
 
 def with_subject_of(analysis: SceneAnalysis, first_shot: SceneAnalysis) -> SceneAnalysis:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from bpy.types import Image, Node, NodeTree, Scene
 
 from ..core import compat, rendered
 from ..core.schema_import import schema
@@ -17,14 +18,13 @@ from ..core.temporary import temporary
 from ..render import bake
 from ..scene.copies import copied_scene, viewer
 
-SIZE = 33
-"""Colors along each axis of the table."""
+SIZE = 33  # colors along each axis of the table
 TABLE_TOE, TABLE_STOPS = schema.radiometry.TABLE_TOE, schema.radiometry.TABLE_STOPS
 _SIDE = math.isqrt(SIZE**3 - 1) + 1  # pixels, of a square image with all colors of the table
 _TOLERANCE = 0.02  # in units of `_in_stops`
 
 
-def color_table(scene: bpy.types.Scene) -> np.ndarray | None:
+def color_table(scene: Scene) -> np.ndarray | None:
     """Scene-linear colors after the compositor, (SIZE, SIZE, SIZE, 3), on the scale of `_in_stops`.
 
     The axes are the input's blue, green and red, evenly spaced on the same scale from 0 to TABLE_STOPS. None if the
@@ -56,7 +56,7 @@ def color_table(scene: bpy.types.Scene) -> np.ndarray | None:
     return straight[: SIZE**3].reshape(SIZE, SIZE, SIZE, 3)
 
 
-def _layers(tree: bpy.types.NodeTree | None) -> Iterator[bpy.types.Node]:
+def _layers(tree: NodeTree | None) -> Iterator[Node]:
     """The linked Render Layers nodes of a tree and its groups; also mutes Vibe Render's own grades."""
     for node in tree.nodes if tree else ():
         if node.bl_idname == "CompositorNodeRLayers" and any(s.is_linked for s in node.outputs):
@@ -66,13 +66,13 @@ def _layers(tree: bpy.types.NodeTree | None) -> Iterator[bpy.types.Node]:
             yield from _layers(node.node_tree)
 
 
-def _is_plain(node: bpy.types.Node, scene: bpy.types.Scene) -> bool:
+def _is_plain(node: Node, scene: Scene) -> bool:
     """True if a Render Layers node passes on only the image of the scene's first rendered view layer."""
     names = {socket.name for socket in node.outputs if socket.is_linked}
     return names == {"Image"} and node.scene in (None, scene) and node.layer == rendered.layer(scene).name
 
 
-def _composited(twin: bpy.types.Scene, image: bpy.types.Image, colors: np.ndarray) -> np.ndarray:
+def _composited(twin: Scene, image: Image, colors: np.ndarray) -> np.ndarray:
     """The compositor's output for `image` filled with these colors: (N, 3) like the input, one color a pixel."""
     image.pixels.foreach_set(np.insert(colors, 3, 1.0, axis=1).ravel())
     image.update()

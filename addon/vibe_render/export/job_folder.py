@@ -12,6 +12,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+from bpy.types import Scene
 
 from ..core import names, rendered
 from ..core.schema_import import atomic, labels, schema
@@ -20,8 +21,6 @@ from ..scene.nodes import backgrounds, mix, trails
 from . import compositing, measured, notes, view, world_light
 from .analysis import SceneAnalysis
 from .materials import NO_MATERIAL, ExportedMaterial, export_material
-
-_REASON = "it is not a number in Blender"
 
 FORMAT = 1
 _OF_WORDS = ("camera", "light", "material")
@@ -35,7 +34,7 @@ def _finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, sc
         if not all(map(math.isfinite, instance.value)):
             parameter = instance.parameter
             default = (parameter.default * instance.reference,) * parameter.components
-            instance = replace(instance, value=default, locked=instance.locked or _REASON)
+            instance = replace(instance, value=default, locked=instance.locked or "it is not a number in Blender")
             warnings.append(f"{labels.title(key)} is not a number in Blender; the prediction takes {default[0]:g}.")
         finite[key] = instance
     return finite, warnings
@@ -92,8 +91,7 @@ def copied_values(instances: Mapping[str, schema.Instance], keys: Iterable[str])
 def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> SceneJob:
     """Writes the job folder, `scene.json` last and atomically.
 
-    Args:
-        measure: Whether to export textures and world, which may need renders. A job without them only explains words.
+    Unless `measure`, textures and world, which may need renders, are left out: such a job only explains words.
     """
     folder.mkdir(parents=True, exist_ok=True)
     scene, geometry = analysis.scene, analysis.geometry
@@ -103,14 +101,13 @@ def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> Sc
     instances, replaced = _finite_instances(_with_materials(bound, analysis, materials))
     light_rows, standby = view.standby_lights(analysis)
     standby |= view.standby_backdrop(analysis, instances)
-    warnings = [
-        names.note(),
-        *view_notes,
-        *notes.notes_by_reason(_material_notes(analysis, materials)),
-        *geometry.warnings,
-    ]
+    by_reason = notes.notes_by_reason(_material_notes(analysis, materials))
+    warnings = [names.note(), *view_notes, *by_reason, *geometry.warnings]
     table = compositing.color_table(scene)
-    warnings += [*rendered.image_notes(scene), *mix.mix_notes(scene), *view.light_notes(scene), *replaced]
+    warnings += rendered.image_notes(scene)
+    if any(color != (1.0, 1.0, 1.0) for color in mix.read_mix(scene).values()):
+        warnings.append("The compositor's light mix is left out of the prediction. Apply it in Light Mix instead.")
+    warnings += [*view.light_notes(scene), *replaced]
     if table is None and (tree := rendered.changing_compositor(scene)):
         warnings.append(
             f'The compositor "{tree.name}" changes the image after the render. The prediction and the search leave it '
@@ -121,10 +118,7 @@ def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> Sc
     unseen = _finite_instances({key: i for key, i in every.items() if i.owner in {*geometry.materials}})[0]
     world, note = _write_world(scene, folder) if measure else ({"kind": "color"}, "")
     content = _content(analysis, materials, instances, folder) | {
-        "standby": {
-            "lights": light_rows,
-            "parameters": {key: _parameter(instance) for key, instance in standby.items()},
-        },
+        "standby": {"lights": light_rows, "parameters": {key: _parameter(i) for key, i in standby.items()}},
         "world": world,
         "volume": _volume(analysis, instances),
         "unseen": {key: _parameter(i) for key, i in unseen.items() if key not in instances},
@@ -201,20 +195,20 @@ def _write(content: dict[str, Any], analysis: SceneAnalysis, folder: Path, warni
     atomic.write_text(folder / "scene.json", json.dumps(sound, indent=1, allow_nan=False))
 
 
-def _write_world(scene: bpy.types.Scene, folder: Path) -> tuple[dict[str, Any], str]:
+def _write_world(scene: Scene, folder: Path) -> tuple[dict[str, Any], str]:
     """Writes the world's images; returns its entry in scene.json, and a note on what is approximated ("" for none)."""
     world = rendered.world(scene)
-    pictures = world_light.pictures(world)
+    light, backdrop, note = world_light.pictures(world)
     row: dict[str, Any] = {
-        "kind": "color" if pictures.light is None else "environment",
+        "kind": "color" if light is None else "environment",
         "hidden": rendered.unlit_by(world),
         "horizon": backgrounds.horizon_height(scene, world),
     }
-    for name, image in (("image", pictures.light), ("backdrop", pictures.backdrop)):
+    for name, image in (("image", light), ("backdrop", backdrop)):
         if image is not None:
             row[name] = f"world_{name}.npy"
             np.save(folder / row[name], image.astype(np.float32))
-    return row, pictures.note
+    return row, note
 
 
 def _material_notes(analysis: SceneAnalysis, materials: Mapping[str, ExportedMaterial]) -> dict[str, list[str]]:
@@ -281,23 +275,17 @@ def _write_textures(
             (folder / "textures").mkdir(exist_ok=True)
             name = f"textures/{len(rows)}_{channel}.npy"
             np.save(folder / name, picture.image.astype(np.float32))
-            pictures[channel] = {
-                "image": name,
-                "extension": picture.extension,
-                "window": picture.window,
-                "plane": picture.plane,
-            }
+            place = {"extension": picture.extension, "window": picture.window, "plane": picture.plane}
+            pictures[channel] = {"image": name, **place}
         row["texture"], row["maps"] = pictures.pop("base_color", None), pictures
         rows.append(row)
     return rows
 
 
 def _volume(analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]) -> dict[str, Any]:
-    scene = analysis.scene
     domain = fog.fog_domain(analysis.context())
     density = instances.get("volume/density")
-    world = rendered.world(scene)
-    if world and trails.world_volume(world):
+    if trails.world_volume(rendered.world(analysis.scene)):
         kind = "world"
     else:
         kind = "box" if density and density.value[0] > 0 else "none"

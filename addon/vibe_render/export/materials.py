@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-import bpy
 import numpy as np
+from bpy.types import Material
 
 from ..core import compat, rendered
 from ..core.schema_import import schema
@@ -58,16 +58,9 @@ UNIFORM = {"specular", "specular_tint", "coat_roughness", "sheen"}
 """Inputs of `COMPUTED` for which the engine takes no texture: the mean stands for them."""
 
 PRINCIPLED = "ShaderNodeBsdfPrincipled"
-EXACT = {PRINCIPLED, "ShaderNodeBsdfDiffuse", "ShaderNodeEmission"}
-"""Shaders that the engine renders without approximation."""
-
 COLORS = ("base_color", "emission_color", "specular_tint")
-
-
-_TINTED = ("base_color", "emission_color", "emission")
-"""Computed inputs that a parameter multiplies."""
-NO_MATERIAL = "(no material)"
-"""Name of the entry for faces without a material."""
+_TINTED = ("base_color", "emission_color", "emission")  # computed inputs that a parameter multiplies
+NO_MATERIAL = "(no material)"  # name of the entry for faces without a material
 
 
 @dataclass
@@ -85,14 +78,14 @@ class ExportedMaterial:
     notes: list[str] = field(default_factory=list)
 
 
-def uv_of(material: bpy.types.Material) -> tuple[str, np.ndarray]:
+def uv_of(material: Material) -> tuple[str, np.ndarray]:
     """The UV map of a material's base color or alpha texture ("" for the active one), and its 3x3 mapping matrix."""
     origins = computed_inputs(material)
     origin = origins.get("base_color") or origins.get("alpha")
     return uv_mapping(origin.source if origin else None)
 
 
-def computed_inputs(material: bpy.types.Material | None) -> dict[str, ValueOrigin | None]:
+def computed_inputs(material: Material | None) -> dict[str, ValueOrigin | None]:
     """Origins of a material's computed inputs, by input, before Vibe Render's tint.
 
     Inputs are those of `COMPUTED` and the channels of `Mixture`. The origin of "normal" is None if Displacement makes it.
@@ -108,11 +101,14 @@ def computed_inputs(material: bpy.types.Material | None) -> dict[str, ValueOrigi
         outputs["base_color"] = mixture.colors[0]
     if cut := mixture.cutout():
         outputs["alpha"] = cut[0]
-    bumps = trails.bumps_normals(material)
-    return {**outputs, "normal": None} if bumps and "normal" not in outputs else outputs
+    if material.displacement_method != "DISPLACEMENT" and "normal" not in outputs:  # rendered as bump, at least partly
+        output = compat.output_node(material)
+        if output and trails.active_links(output.inputs["Displacement"]):
+            outputs["normal"] = None
+    return outputs
 
 
-def export_material(material: bpy.types.Material | None, measured: Mapping[str, MeasuredChannel]) -> ExportedMaterial:
+def export_material(material: Material | None, measured: Mapping[str, MeasuredChannel]) -> ExportedMaterial:
     """Describes a material (None: faces without one), given the measurements of its `computed_inputs`."""
     if material is None:
         values = {**DEFAULTS, **APPROXIMATE["ShaderNodeBsdfDiffuse"]}
@@ -153,15 +149,14 @@ def _notes(base: layers.Layer, shown: list[layers.Layer], constants: Mapping[str
     notes = []
     if any(layer is not base and layer.matter != "light" for layer in shown):
         notes.append("The mix of shaders is approximated")
-    elif base.kind not in EXACT:
+    elif base.kind not in (PRINCIPLED, "ShaderNodeBsdfDiffuse", "ShaderNodeEmission"):
         notes.append(f"{base.shader.node.bl_label} is approximated")
-    if constants.get("subsurface", 0.0) > 0:
-        notes.append("Subsurface is shown as plain diffuse color")
-    if constants.get("anisotropic", 0.0) > 0:
-        notes.append("Anisotropic highlights are shown round")
-    if constants.get("thin_film", 0.0) > 0:
-        notes.append("Thin Film is left out")
-    return notes
+    left_out = {
+        "subsurface": "Subsurface is shown as plain diffuse color",
+        "anisotropic": "Anisotropic highlights are shown round",
+        "thin_film": "Thin Film is left out",
+    }
+    return notes + [note for name, note in left_out.items() if constants.get(name, 0.0) > 0]
 
 
 def _row(name: str, model: str) -> dict[str, Any]:
@@ -183,7 +178,7 @@ def _constants(base: layers.Layer, mixture: Mixture, row: dict[str, Any]) -> Non
 
 
 def _mixed(
-    result: ExportedMaterial, material: bpy.types.Material, mixture: Mixture, measured: Mapping[str, MeasuredChannel]
+    result: ExportedMaterial, material: Material, mixture: Mixture, measured: Mapping[str, MeasuredChannel]
 ) -> None:
     """Adds the sums of mixed shaders: base color, opacity, and emission color times the share of the Emission node."""
     window = next((c.picture for name, c in measured.items() if name.startswith("mix")), None)

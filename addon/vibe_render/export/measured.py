@@ -15,6 +15,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+from bpy.types import Material, Node, NodeTree, Scene
 from mathutils import Matrix
 
 from ..core import rendered
@@ -76,7 +77,7 @@ def measured_materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
 
 
 def _over_uvs(
-    material: bpy.types.Material, channel: str, origin: ValueOrigin | None, uvs: np.ndarray
+    material: Material, channel: str, origin: ValueOrigin | None, uvs: np.ndarray
 ) -> textures.ExportedTexture | None:
     """The texture of a base color or alpha over the material's UV map; None if the input has to be rendered in place."""
     if origin is None or channel not in ("base_color", "alpha"):
@@ -116,18 +117,18 @@ def _straight_on(analysis: SceneAnalysis, request: PassRequest) -> textures.Expo
 class PassRequest:
     """A computed input to bake; `origin` is None for a normal that comes from Displacement, rendered as bump."""
 
-    material: bpy.types.Material
+    material: Material
     channel: str
     origin: ValueOrigin | None
 
     @property
-    def tree(self) -> bpy.types.NodeTree:
+    def tree(self) -> NodeTree:
         """The tree that computes the input."""
         return self.origin.socket.id_data if self.origin else self.material.node_tree
 
 
 def bake_passes(
-    scene: bpy.types.Scene, requests: Sequence[PassRequest], plane: CapturePlane | None = None
+    scene: Scene, requests: Sequence[PassRequest], plane: CapturePlane | None = None
 ) -> dict[tuple[str, str], MeasuredChannel]:
     """Bakes inputs with one render of the camera's view, or of a plane; by (name of the material, channel).
 
@@ -147,9 +148,11 @@ def bake_passes(
     frame: dict[str, Any] = {"resolution_x": width, "resolution_y": height, "resolution_percentage": 100}
     with ExitStack() as stack:
         for request in outputs.values():
-            stack.enter_context(_sent(request, f"Vibe {request.channel}"))
-        for number, name in enumerate(names, 1):
-            stack.enter_context(_marked(materials[name], float(number)))
+            _send(stack, request)
+        for number, name in enumerate(names, 1):  # a material's number and its square tell which pixels show only it
+            for output, value in ((_INDEX, number), (_SQUARE, number * number)):
+                node = _added(stack, materials[name].node_tree, "OutputAOV")
+                node.aov_name, node.inputs["Value"].default_value = output, value
         twin = stack.enter_context(copied_scene(scene, **frame, film_transparent=False))
         if plane:
             stack.enter_context(straight_on(twin, plane))
@@ -172,7 +175,7 @@ def _is_color(channel: str) -> bool:
     return channel in (*COLORS, "normal") or channel.startswith("color")
 
 
-def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dict[str, np.ndarray]:
+def _render(twin: Scene, channels: Sequence[str], samples: int) -> dict[str, np.ndarray]:
     """Renders all AOVs, by name; switches off lights, world and fog as far as a scene's settings can."""
     layer, cycles = rendered.layer(twin), twin.cycles
     rendered.set_world(twin, None)
@@ -188,47 +191,28 @@ def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dic
         return bake.render_passes(twin)
 
 
-@contextmanager
-def _sent(request: PassRequest, name: str) -> Iterator[None]:
-    """Adds an AOV output for a requested input to the tree that computes it, inside the block."""
+def _added(stack: ExitStack, tree: NodeTree, kind: str) -> Node:
+    """A new shader node, which the stack removes."""
+    node = tree.nodes.new(f"ShaderNode{kind}")
+    stack.callback(tree.nodes.remove, node)
+    return node
+
+
+def _send(stack: ExitStack, request: PassRequest) -> None:
+    """Adds an AOV output for a requested input to the tree that computes it; the stack removes it."""
     tree = request.tree
-    added = []
-    try:
-        output = tree.nodes.new("ShaderNodeOutputAOV")
-        added.append(output)
-        output.aov_name = name
-        source = request.origin.source if request.origin else None
-        if request.channel == "normal":
-            if source is None:
-                added.append(tree.nodes.new("ShaderNodeNewGeometry"))
-                source = added[-1].outputs["Normal"]
-            half = tree.nodes.new("ShaderNodeVectorMath")
-            added.append(half)
-            half.operation = "MULTIPLY_ADD"  # AOVs clip negative values
-            half.inputs[1].default_value = half.inputs[2].default_value = (0.5, 0.5, 0.5)
-            tree.links.new(source, half.inputs[0])
-            source = half.outputs[0]
-        tree.links.new(source, output.inputs["Color" if _is_color(request.channel) else "Value"])
-        yield
-    finally:
-        for node in added:
-            tree.nodes.remove(node)
-
-
-@contextmanager
-def _marked(material: bpy.types.Material, number: float) -> Iterator[None]:
-    """Adds AOV outputs for a material's number and its square, inside the block: they tell which pixels show only it."""
-    nodes = material.node_tree.nodes
-    added = []
-    try:
-        for name, value in ((_INDEX, number), (_SQUARE, number * number)):
-            added.append(nodes.new("ShaderNodeOutputAOV"))
-            added[-1].aov_name = name
-            added[-1].inputs["Value"].default_value = value
-        yield
-    finally:
-        for node in added:
-            nodes.remove(node)
+    output = _added(stack, tree, "OutputAOV")
+    output.aov_name = f"Vibe {request.channel}"
+    source = request.origin.source if request.origin else None
+    if request.channel == "normal":
+        if source is None:
+            source = _added(stack, tree, "NewGeometry").outputs["Normal"]
+        half = _added(stack, tree, "VectorMath")
+        half.operation = "MULTIPLY_ADD"  # AOVs clip negative values
+        half.inputs[1].default_value = half.inputs[2].default_value = (0.5, 0.5, 0.5)
+        tree.links.new(source, half.inputs[0])
+        source = half.outputs[0]
+    tree.links.new(source, output.inputs["Color" if _is_color(request.channel) else "Value"])
 
 
 def _cropped(values: np.ndarray, shown: np.ndarray) -> MeasuredChannel:
@@ -305,7 +289,7 @@ def capture_plane(corners: np.ndarray, pivot: np.ndarray, distance: float) -> Ca
 
 
 @contextmanager
-def straight_on(scene: bpy.types.Scene, plane: CapturePlane) -> Iterator[None]:
+def straight_on(scene: Scene, plane: CapturePlane) -> Iterator[None]:
     """Gives a scene an orthographic camera that sees only this plane, nothing in front or behind; inside the block."""
     data = bpy.data.cameras.new("Vibe Bake")
     camera = bpy.data.objects.new("Vibe Bake", data)

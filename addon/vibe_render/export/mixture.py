@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import bpy
 import numpy as np
+from bpy.types import Material, Node
 
 from ..core.schema_import import schema
 from ..scene.nodes import inputs, layers
@@ -43,7 +43,7 @@ class Mixture:
     colors: list[ValueOrigin] = field(default_factory=list)
 
     @classmethod
-    def of(cls, material: bpy.types.Material) -> Mixture:
+    def of(cls, material: Material) -> Mixture:
         """The mixture of a material."""
         mixture = cls(layers.layers(material))
         for side in (side for layer in mixture.layers for side in layer.sides):
@@ -70,12 +70,9 @@ class Mixture:
         return channels
 
     def share(self, layer: Layer, measured: Mapping[str, MeasuredChannel], coats: bool = False) -> np.ndarray:
-        """A shader's weight in the mix, in [0, 1]: (h, w, 1) or (1, 1, 1).
+        """A shader's weight in the mix, in [0, 1], (h, w, 1) or (1, 1, 1), from the measured values of `channels`.
 
-        Args:
-            measured: The values of `channels`.
-            coats: Whether shaders mixed in by a Fresnel or Layer Weight node count as coats: their weight is 0, and the
-                shader below keeps its full weight.
+        With `coats`, shaders mixed in by a Fresnel or Layer Weight node have no weight: that below keeps all of it.
         """
         total: np.ndarray = np.ones((1, 1, 1), np.float32)
         for side in layer.sides:
@@ -100,7 +97,7 @@ class Mixture:
                 total = total - self.share(layer, measured) * clear
         return np.clip(total, 0.0, 1.0)
 
-    def color(self, material: bpy.types.Material, measured: Mapping[str, MeasuredChannel]) -> np.ndarray:
+    def color(self, material: Material, measured: Mapping[str, MeasuredChannel]) -> np.ndarray:
         """The weighted mean of the base colors of `layers.body`, before Vibe Render's tint: (h, w, 3) or (1, 1, 3)."""
         total, weight = np.zeros((1, 1, 3), np.float32), np.full((1, 1, 1), 1e-6, np.float32)
         places = [each.source or each.socket for each in self.colors]
@@ -144,7 +141,15 @@ class Mixture:
                 strongest, _, roughness = _gloss(coat)
                 values |= {"coat": (min(strongest, 1.0),), "coat_roughness": (roughness,)}
         elif gloss and base.matter == "matte":
-            values |= _plastic(gloss, float(self.share(gloss, measured).mean()))
+            # The dielectric layer that is most like the glossy shader: a weight f of a color c becomes the reflectance f·c
+            # at normal incidence; a Fresnel or Layer Weight node gives an IOR.
+            strongest, tinge, roughness = _gloss(gloss)
+            values |= {"roughness": (roughness,), "specular_tint": tinge}
+            if node := gloss.sides[-1].grazing:
+                values |= {"specular": (0.5 * strongest,), "ior": (_ior(node),)}
+            else:
+                weight = min(max(float(self.share(gloss, measured).mean()), 0.0), 1.0)
+                values["specular"] = (weight * strongest * 0.5 / _HEAD_ON,)
         return values
 
     def coat_ior(self, base: Layer) -> float | None:
@@ -165,23 +170,10 @@ def _gloss(layer: Layer) -> tuple[float, schema.Values, float]:
     return strongest, tuple(c / strongest for c in tinge), roughness
 
 
-def _ior(node: bpy.types.Node) -> float:
+def _ior(node: Node) -> float:
     """The IOR of a Fresnel or Layer Weight node."""
     if node.bl_idname == "ShaderNodeFresnel":
         return float(node.inputs["IOR"].default_value)
     linked = active_links(node.inputs["Blend"])
     blend = _USUAL_BLEND if linked else float(node.inputs["Blend"].default_value)
     return 1.0 / max(1.0 - min(blend, 0.9), 0.1)
-
-
-def _plastic(gloss: Layer, share: float) -> dict[str, schema.Values]:
-    """Inputs of the dielectric layer that is most like a glossy shader mixed in with weight `share`.
-
-    A weight f of a color c becomes the reflectance f·c at normal incidence; a Fresnel or Layer Weight node gives an IOR.
-    """
-    strongest, tinge, roughness = _gloss(gloss)
-    values: dict[str, schema.Values] = {"roughness": (roughness,), "specular_tint": tinge}
-    node = gloss.sides[-1].grazing
-    if node is None:
-        return {**values, "specular": (min(max(share, 0.0), 1.0) * strongest * 0.5 / _HEAD_ON,)}
-    return {**values, "specular": (0.5 * strongest,), "ior": (_ior(node),)}

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import bpy
 import numpy as np
+from bpy.types import Scene
 
 from ..core import compat, rendered
 from ..core.schema_import import schema
@@ -66,12 +66,10 @@ def view_notes(analysis: SceneAnalysis) -> list[str]:
     return []
 
 
-def check_shows(scene: bpy.types.Scene, filling: str, lit: bool) -> None:
-    """Raises a VibeError with the cause of a black render; not if only light is missing and the words add light.
+def check_shows(scene: Scene, filling: str, lit: bool) -> None:
+    """Raises a VibeError with the cause of a black render; not if only light is missing and the words may add it (`lit`).
 
-    Args:
-        filling: Name of the object that fills the image; "" if others are visible.
-        lit: Whether the words may add light to the scene.
+    `filling` is the name of the object that fills the image; "" if others are visible.
     """
     if grade.cut_off(compat.compositor(scene)):
         why = "no picture reaches the output of its compositor", "Connect one, or take the compositor out."

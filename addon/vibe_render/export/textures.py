@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from bpy.types import Image, Material, Node, NodeSocket, Scene
 from mathutils import Color
 
 from ..core.color import to_linear
@@ -45,7 +46,7 @@ class ExportedTexture:
     plane: list[list[float]] | None = None
 
 
-def uv_mapping(source: bpy.types.NodeSocket | None) -> tuple[str, np.ndarray]:
+def uv_mapping(source: NodeSocket | None) -> tuple[str, np.ndarray]:
     """The UV map that an output's texture reads ("" for the active one), and the 3x3 matrix of its Mapping node."""
     node = plain_image(source, ("Color", "Alpha"))
     if node is not None:
@@ -54,7 +55,7 @@ def uv_mapping(source: bpy.types.NodeSocket | None) -> tuple[str, np.ndarray]:
     return (maps[0] if maps else ""), np.eye(3)
 
 
-def uv_texture(material: bpy.types.Material, channel: str, origin: ValueOrigin) -> ExportedTexture | None:
+def uv_texture(material: Material, channel: str, origin: ValueOrigin) -> ExportedTexture | None:
     """The texture of an input that depends only on UVs: its image, or a bake of the unit square; None for other inputs."""
     source = origin.source
     assert source
@@ -73,9 +74,7 @@ def uv_texture(material: bpy.types.Material, channel: str, origin: ValueOrigin) 
     return ExportedTexture(image, {"MIRROR": "REPEAT"}.get(node.extension, node.extension))
 
 
-def mean_color(
-    scene: bpy.types.Scene, material: bpy.types.Material, origin: ValueOrigin, mask: np.ndarray
-) -> np.ndarray:
+def mean_color(scene: Scene, material: Material, origin: ValueOrigin, mask: np.ndarray) -> np.ndarray:
     """The mean linear color (3,) of an output over the pixels of the camera's image where `mask` (R, R) is true.
 
     For an image that is read directly, the mean of the whole image. If the mask is empty, the mean over the unit square
@@ -94,7 +93,7 @@ def mean_color(
     return view[rows.astype(int)][:, columns.astype(int)][mask].mean(0)
 
 
-def image_colors(image: bpy.types.Image | None) -> np.ndarray | None:
+def image_colors(image: Image | None) -> np.ndarray | None:
     """A scene-linear copy of an image, (H, W, 3), at most 1024 pixels a side; None if its file is missing."""
     if image is None or not image.size[0] or not image.size[1]:
         return None
@@ -105,7 +104,7 @@ def image_colors(image: bpy.types.Image | None) -> np.ndarray | None:
     return (to_linear(colors) @ np.array(primaries)).astype(np.float32)
 
 
-def is_encoded_usually(image: bpy.types.Image | None) -> bool:
+def is_encoded_usually(image: Image | None) -> bool:
     """True if an image's colors are float, data, or in the color space of new images, which is always sRGB.
 
     Names of color spaces depend on the OCIO configuration. Only Blender can decode all of them, by a render.
@@ -119,7 +118,7 @@ def is_encoded_usually(image: bpy.types.Image | None) -> bool:
         return fresh.colorspace_settings.name == space.name
 
 
-def image_alpha(image: bpy.types.Image | None) -> np.ndarray | None:
+def image_alpha(image: Image | None) -> np.ndarray | None:
     """The alpha (H, W, 1) of an image with at most 1024 pixels a side; None if its file is missing."""
     if image is None or not image.size[0] or not image.size[1]:
         return None
@@ -139,7 +138,7 @@ def shrink(image: np.ndarray, longest: int) -> np.ndarray:
     return blocks.mean((1, 3))
 
 
-def plain_image(source: bpy.types.NodeSocket | None, outputs: tuple[str, ...] = ("Color",)) -> bpy.types.Node | None:
+def plain_image(source: NodeSocket | None, outputs: tuple[str, ...] = ("Color",)) -> Node | None:
     """The image texture node behind an output, if it lays a still, decodable image flat over a UV map; else None."""
     while source is not None and source.node.type == "REROUTE":
         links = active_links(source.node.inputs[0])
@@ -151,7 +150,7 @@ def plain_image(source: bpy.types.NodeSocket | None, outputs: tuple[str, ...] = 
     return node if flat and is_encoded_usually(node.image) and _coordinates(node) else None
 
 
-def _coordinates(node: bpy.types.Node) -> tuple[str, np.ndarray] | None:
+def _coordinates(node: Node) -> tuple[str, np.ndarray] | None:
     """The UV map ("" for the active one) and 3x3 matrix that a texture node reads; None for other coordinates."""
     matrix = np.eye(3)
     links = active_links(node.inputs["Vector"])
@@ -173,7 +172,7 @@ def _coordinates(node: bpy.types.Node) -> tuple[str, np.ndarray] | None:
     return "", matrix
 
 
-def _mapping_matrix(node: bpy.types.Node) -> np.ndarray | None:
+def _mapping_matrix(node: Node) -> np.ndarray | None:
     """The 3x3 matrix of a Mapping node on UVs; None if it is computed, not of type Point, or rotates about X or Y."""
     names = ("Location", "Rotation", "Scale")
     if node.vector_type != "POINT" or any(active_links(node.inputs[n]) for n in names):
@@ -185,7 +184,7 @@ def _mapping_matrix(node: bpy.types.Node) -> np.ndarray | None:
     return np.array([[c * size[0], -s * size[1], place[0]], [s * size[0], c * size[1], place[1]], [0, 0, 1]])
 
 
-def _upstream(source: bpy.types.NodeSocket) -> list[bpy.types.Node]:
+def _upstream(source: NodeSocket) -> list[Node]:
     """All nodes that an output depends on."""
     upstream, pending = [], [source.node]
     while pending:
@@ -196,7 +195,7 @@ def _upstream(source: bpy.types.NodeSocket) -> list[bpy.types.Node]:
     return upstream
 
 
-def _reads_uv_only(source: bpy.types.NodeSocket) -> bool:
+def _reads_uv_only(source: NodeSocket) -> bool:
     """True if an output depends only on the surface's UVs."""
     for node in _upstream(source):
         if node.bl_idname == "ShaderNodeTexCoord":

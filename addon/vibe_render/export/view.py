@@ -5,14 +5,14 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import bpy
 import numpy as np
-from bpy.types import Object
+from bpy.types import Object, Scene
 from mathutils import Vector
 
 from ..core import rendered
@@ -25,8 +25,7 @@ from ..scene.light_types import exported, has_uneven_cone, type_of
 from ..scene.nodes import backgrounds, layers, light_nodes
 from .analysis import SceneAnalysis
 
-MOST_INSTANCES = 24
-"""Instances of lights in the prediction, at most."""
+MOST_INSTANCES = 24  # instances of lights in the prediction, at most
 
 _SEEN_WORLD = 0.05  # part of the image around the subject; a world that fills less counts as not visible
 
@@ -34,8 +33,8 @@ _SEEN_WORLD = 0.05  # part of the image around the subject; a world that fills l
 def camera_row(analysis: SceneAnalysis) -> dict[str, Any]:
     """The camera's entry in scene.json."""
     thing = analysis.scene.camera
-    data = thing.data
-    return {
+    data, dof = thing.data, thing.data.dof
+    row = {
         "name": thing.name_full,
         "type": data.type,
         "residual": [*map(list, orbits.Pose.of(thing, Vector(analysis.pivot)).residual)],
@@ -43,23 +42,15 @@ def camera_row(analysis: SceneAnalysis) -> dict[str, Any]:
         "shift": [data.shift_x, data.shift_y],
         "sensor_fit": data.sensor_fit,
         "clip": [data.clip_start, data.clip_end],
-        **_focus(thing),
     }
-
-
-def _focus(camera: bpy.types.Object) -> dict[str, Any]:
-    """Aperture radius and focus (distance, or point in world space) of a camera, meters; empty without depth of field."""
-    data, dof = camera.data, camera.data.dof
-    if not dof.use_dof:
-        return {}
-    length = 1.0 if data.type == "ORTHO" else data.lens * 1e-3
-    focus = {"aperture": length / (2 * max(dof.aperture_fstop, 1e-5)), "focus_distance": dof.focus_distance}
-    if dof.focus_object:
-        thing = dof.focus_object
-        bone = thing.pose.bones.get(dof.focus_subtarget) if thing.pose else None
-        matrix = thing.matrix_world @ bone.matrix if bone else thing.matrix_world
-        focus["focus_point"] = list(matrix.translation)
-    return focus
+    if dof.use_dof:  # the aperture's radius, and the distance or the point (world space) of the focus, meters
+        length = 1.0 if data.type == "ORTHO" else data.lens * 1e-3
+        row |= {"aperture": length / (2 * max(dof.aperture_fstop, 1e-5)), "focus_distance": dof.focus_distance}
+        if focus := dof.focus_object:
+            bone = focus.pose.bones.get(dof.focus_subtarget) if focus.pose else None
+            matrix = focus.matrix_world @ bone.matrix if bone else focus.matrix_world
+            row["focus_point"] = list(matrix.translation)
+    return row
 
 
 def light_rows(analysis: SceneAnalysis) -> list[dict[str, Any]]:
@@ -81,14 +72,21 @@ def light_rows(analysis: SceneAnalysis) -> list[dict[str, Any]]:
         instanced.append(_light_row(obj, roles[owner], pivot) | place)
     instanced.sort(key=lambda row: (Vector(row["position"]) - pivot).length)
     rows += instanced[:MOST_INSTANCES]
+    named = [{name for name in names if name} for names in analysis.geometry.objects]
     for row in rows:
         lamp = bpy.data.objects.get(row["name"])
-        if lamp and (unlit := _unlit_objects(lamp, analysis.geometry.objects)):
+        receivers = lamp.light_linking.receiver_collection if lamp else None
+        if receivers is None:
+            continue
+        # The numbers of the objects that light linking excludes from the light.
+        included, excluded = ({o.name_full for o in linked} for linked in light_links.states(receivers).values())
+        unlit = [n for n, names in enumerate(named) if names & excluded or (included and not names & included)]
+        if unlit:
             row["unlit"] = unlit
     return rows
 
 
-def _light_row(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, Any]:
+def _light_row(thing: Object, role: str, pivot: Vector) -> dict[str, Any]:
     """One light's entry in scene.json."""
     data = thing.data
     row: dict[str, Any] = {
@@ -108,7 +106,7 @@ def _light_row(thing: bpy.types.Object, role: str, pivot: Vector) -> dict[str, A
     return row | exported(thing)
 
 
-def film_row(scene: bpy.types.Scene) -> dict[str, Any]:
+def film_row(scene: Scene) -> dict[str, Any]:
     """The film's entry in scene.json: view transform, exposure and white balance."""
     view = scene.view_settings
     return {
@@ -124,7 +122,7 @@ def film_row(scene: bpy.types.Scene) -> dict[str, Any]:
     }
 
 
-def white_balance(scene: bpy.types.Scene) -> list[list[float]]:
+def white_balance(scene: Scene) -> list[list[float]]:
     """The 3x3 matrix by which the view's white balance multiplies scene-linear colors; empty without white balance.
 
     It is fitted to a few colors that Blender saves through this white balance and the view "Raw". Empty, too, if the OCIO
@@ -160,7 +158,7 @@ def ocio_config() -> str:
     return os.path.join(bpy.utils.system_resource("DATAFILES", path="colormanagement"), "config.ocio")
 
 
-def light_notes(scene: bpy.types.Scene) -> list[str]:
+def light_notes(scene: Scene) -> list[str]:
     """Notes for the artist on properties of lights, and of light linking, that the prediction leaves out."""
     notes = []
     for obj in sorted(rendered.shown(scene), key=lambda o: o.name_full):
@@ -184,17 +182,6 @@ def light_notes(scene: bpy.types.Scene) -> list[str]:
         left = len(instances) - MOST_INSTANCES
         notes.append(f"{left} instances of lights, the farthest, are left out of the prediction.")
     return notes
-
-
-def _unlit_objects(light: Object, objects: Sequence[tuple[str, str]]) -> list[int]:
-    """The numbers of the objects (of `SceneGeometry.objects`) that light linking excludes from a light."""
-    collection = light.light_linking.receiver_collection
-    if collection is None:
-        return []
-    by_state = light_links.states(collection).values()
-    included, excluded = ({o.name_full for o in linked} for linked in by_state)
-    rows = [{name for name in names if name} for names in objects]
-    return [number for number, names in enumerate(rows) if names & excluded or (included and not names & included)]
 
 
 def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, schema.Instance]]:

@@ -14,7 +14,7 @@ from typing import Any
 import bmesh
 import bpy
 import numpy as np
-from bpy.types import Light, Object, Scene
+from bpy.types import Image, Light, Material, NodeTree, Object, Scene, World
 from mathutils import Vector
 
 from ..core import compat, rendered
@@ -51,7 +51,7 @@ def render_file(scene: Scene, path: Path, kind: Mapping[str, Any], **options: st
         bpy.ops.render.render(scene=scene.name, write_still=True, **options)
 
 
-def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
+def _render_linear(scene: Scene, samples: int) -> np.ndarray:
     """Renders the scene with Cycles, without bounces: (H, W, 3) float32, scene-linear, row 0 at the bottom."""
     scene.render.engine = "CYCLES"
     exact = {"samples": samples, "use_denoising": False, "use_adaptive_sampling": False}
@@ -62,7 +62,7 @@ def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
             return image_pixels(image)
 
 
-def render_passes(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
+def render_passes(scene: Scene) -> dict[str, np.ndarray]:
     """Renders a scene; returns the passes of its first rendered view layer, by name.
 
     A pass is (H, W, C) float32, row 0 at the bottom; its channels C are in the order RGBA or XYZW.
@@ -118,7 +118,7 @@ def read_exr(path: Path) -> dict[str, np.ndarray]:
     return {name: values[::-1, i] for i, name in enumerate(names)}
 
 
-def image_channels(image: bpy.types.Image) -> np.ndarray:
+def image_channels(image: Image) -> np.ndarray:
     """The stored pixels of an image: (H, W, C) float32, row 0 at the bottom, in its own color space."""
     width, height = image.size
     flat = np.empty(width * height * image.channels, np.float32)
@@ -133,14 +133,14 @@ def read_file(path: Path) -> np.ndarray:
         return image_channels(image)
 
 
-def image_pixels(image: bpy.types.Image) -> np.ndarray:
+def image_pixels(image: Image) -> np.ndarray:
     """Red, green and blue of `image_channels`: (H, W, 3); values that are not finite become 0, as in Cycles."""
     values = np.nan_to_num(image_channels(image), copy=False, nan=0.0, posinf=0.0, neginf=0.0)
     return values[..., :3] if image.channels >= 3 else np.repeat(values[..., :1], 3, axis=-1)
 
 
 @contextmanager
-def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.types.Material]:
+def emitting(material: Material, origin: ValueOrigin) -> Iterator[Material]:
     """A copy of a material that emits the value at `origin`; removed after the block, with its copies of node groups."""
     twin = material.copy()
     compat.drop_action(twin.node_tree)
@@ -148,14 +148,27 @@ def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.
         yield twin
 
 
-def emit(tree: bpy.types.NodeTree, origin: ValueOrigin, shader: str, output: str) -> list[bpy.types.NodeTree]:
+def emit(tree: NodeTree, origin: ValueOrigin, shader: str, output: str) -> list[NodeTree]:
     """Makes a copied material or world emit the value at `origin` in its tree; returns the node groups copied for it.
 
     `shader` and `output` are "Emission" and "Material", or "Background" and "World".
     """
-    exit_, groups = _exposed_output(tree, origin)
+    # Copy the groups around the value, and give it an output through them to the top level of the tree.
+    inner, groups, holders = tree, [], []
+    for name in (group.name for group in origin.inside):
+        holders.append(inner.nodes[name])
+        inner = holders[-1].node_tree = holders[-1].node_tree.copy()
+        compat.drop_action(inner)
+        groups.append(inner)
+    source = origin.source
+    assert source
+    socket = same_socket(inner.nodes[source.node.name].outputs, source)
+    for holder, group in zip(reversed(holders), reversed(groups), strict=True):
+        item = group.interface.new_socket("Vibe Bake", in_out="OUTPUT", socket_type="NodeSocketColor")
+        group.links.new(socket, next(s for s in group_output(holder) if s.identifier == item.identifier))
+        socket = next(s for s in holder.outputs if s.identifier == item.identifier)
     glow = tree.nodes.new(f"ShaderNode{shader}")
-    tree.links.new(exit_, glow.inputs["Color"])
+    tree.links.new(socket, glow.inputs["Color"])
     for node in [n for n in tree.nodes if n.bl_idname == f"ShaderNodeOutput{output}"]:
         for link in [link for entry in node.inputs for link in entry.links]:
             tree.links.remove(link)
@@ -163,28 +176,7 @@ def emit(tree: bpy.types.NodeTree, origin: ValueOrigin, shader: str, output: str
     return groups
 
 
-def _exposed_output(
-    tree: bpy.types.NodeTree, origin: ValueOrigin
-) -> tuple[bpy.types.NodeSocket, list[bpy.types.NodeTree]]:
-    """The output socket, at the top level of a tree, of the value at `origin`; and the node groups copied for it."""
-    groups, holders = [], []
-    for name in (group.name for group in origin.inside):
-        holders.append(tree.nodes[name])
-        holders[-1].node_tree = holders[-1].node_tree.copy()
-        tree = holders[-1].node_tree
-        compat.drop_action(tree)
-        groups.append(tree)
-    source = origin.source
-    assert source
-    socket = same_socket(tree.nodes[source.node.name].outputs, source)
-    for holder, group in zip(reversed(holders), reversed(groups), strict=True):
-        item = group.interface.new_socket("Vibe Bake", in_out="OUTPUT", socket_type="NodeSocketColor")
-        group.links.new(socket, next(s for s in group_output(holder) if s.identifier == item.identifier))
-        socket = next(s for s in holder.outputs if s.identifier == item.identifier)
-    return socket, groups
-
-
-def bake_view(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -> np.ndarray:
+def bake_view(scene: Scene, material: Material, size: int) -> np.ndarray:
     """The camera's view of the scene with one emitting material on all objects: (H, W, 3), scene-linear.
 
     `size` is the longer side in pixels.
@@ -199,7 +191,7 @@ def bake_view(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -
         return _render_linear(twin, samples=4)
 
 
-def bake_uvs(material: bpy.types.Material, size: int) -> np.ndarray:
+def bake_uvs(material: Material, size: int) -> np.ndarray:
     """An emitting material over the unit square of UV space: (size, size, 3), scene-linear, row 0 at v = 0."""
     with empty_scene(size, size) as scene:
         mesh = bpy.data.meshes.new("Vibe Bake")
@@ -214,14 +206,14 @@ def bake_uvs(material: bpy.types.Material, size: int) -> np.ndarray:
             return _render_linear(scene, samples=4)
 
 
-def bake_world(world: bpy.types.World, height: int, samples: int) -> np.ndarray:
+def bake_world(world: World, height: int, samples: int) -> np.ndarray:
     """A world as an equirectangular environment texture: (height, 2 * height, 3), scene-linear, row 0 straight down."""
     with empty_scene(2 * height, height) as scene:
         scene.world = world
         return _bake_panorama(scene, samples)
 
 
-def _bake_panorama(scene: bpy.types.Scene, samples: int) -> np.ndarray:
+def _bake_panorama(scene: Scene, samples: int) -> np.ndarray:
     """The panorama around the camera of a temporary scene, laid out as in `bake_world`."""
     camera = scene.camera
     camera.data.type = "PANO"
@@ -233,7 +225,7 @@ def _bake_panorama(scene: bpy.types.Scene, samples: int) -> np.ndarray:
 
 
 @contextmanager
-def empty_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
+def empty_scene(width: int, height: int) -> Iterator[Scene]:
     """A new scene with nothing but a camera; removed after the block."""
     scene = bpy.data.scenes.new("Vibe Bake")
     data = bpy.data.cameras.new("Vibe Bake")
@@ -260,22 +252,19 @@ def mean_light_factor(light: Object, pivot: Vector) -> tuple[float, float, float
         with_nodes = _bake_panorama(scene, _FACTOR_SAMPLES)
         light_nodes.flatten(data)
         without_nodes = _bake_panorama(scene, _FACTOR_SAMPLES)
-    weight = _weights(toward.normalized())
+    # The weight of each texel of a panorama, (H, 2H, 1): solid angle times the cosine to the pivot, at least 0.
+    elevation = ((np.arange(_FACTOR_HEIGHT) + 0.5) / _FACTOR_HEIGHT - 0.5) * math.pi
+    azimuth = (0.5 - (np.arange(2 * _FACTOR_HEIGHT) + 0.5) / (2 * _FACTOR_HEIGHT)) * 2 * math.pi
+    across = np.cos(elevation)[:, None]
+    x, y, z = across * np.cos(azimuth), across * np.sin(azimuth), np.sin(elevation)[:, None]
+    toward = toward.normalized()
+    weight = (across * np.maximum(x * toward.x + y * toward.y + z * toward.z, 0.0))[..., None]
     total = (without_nodes * weight).sum((0, 1))
     if total.max() <= 0.0:  # the light shines away from the subject: count all directions
         weight = np.ones_like(weight)
         total = (without_nodes * weight).sum((0, 1))
     red, green, blue = ((with_nodes * weight).sum((0, 1)) / np.maximum(total, 1e-9)).tolist()
     return red, green, blue
-
-
-def _weights(toward: Vector) -> np.ndarray:
-    """Weight of each texel of a panorama: solid angle times the cosine to a unit vector, at least 0; (H, 2H, 1)."""
-    elevation = ((np.arange(_FACTOR_HEIGHT) + 0.5) / _FACTOR_HEIGHT - 0.5) * math.pi
-    azimuth = (0.5 - (np.arange(2 * _FACTOR_HEIGHT) + 0.5) / (2 * _FACTOR_HEIGHT)) * 2 * math.pi
-    across = np.cos(elevation)[:, None]
-    x, y, z = across * np.cos(azimuth), across * np.sin(azimuth), np.sin(elevation)[:, None]
-    return (across * np.maximum(x * toward.x + y * toward.y + z * toward.z, 0.0))[..., None]
 
 
 @contextmanager

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from bpy.types import ID, Image, Node, NodeTree, Object, Scene, ViewLayer
+from bpy.types import ID, Image, Material, Node, NodeTree, Object, Scene, ViewLayer
 
 from ..core import compat, rendered
 from ..core.compat import changed
@@ -27,10 +27,8 @@ from ..scene.nodes.layers import emitted_radiance
 from ..scene.nodes.owned import is_unseen
 from . import bake
 
-MOST = 12
-"""Maximum number of layers for lights: more sliders are hard to use, and each layer takes memory."""
-_LITTLE = 1e-3
-"""Share of all light: if less than this is in no layer, it counts as a rounding error, not as light."""
+MOST = 12  # maximum number of layers for lights: more sliders are hard to use, and each layer takes memory
+_LITTLE = 1e-3  # share of all light: if less than this is in no layer, it counts as a rounding error, not as light
 _LINEAR = {**bake.LINEAR, "color_mode": "RGBA"}
 WORLD, EMISSION, REST = "World", "Emission", "Other Lights"
 
@@ -91,7 +89,7 @@ def sharing_data(lights: Iterable[Object]) -> dict[str, list[Object]]:
 
 def _glowing(scene: Scene) -> list[Object]:
     of = rendered.layer(scene)
-    emits: dict[bpy.types.Material, float] = {}
+    emits: dict[Material, float] = {}
     found: dict[Object, bool] = {}
     for thing, _, _ in rendered.instances(scene):
         if thing.type not in rendered.GEOMETRY or thing.original in found:
@@ -149,10 +147,8 @@ def apart(scene: Scene, layer: ViewLayer) -> Iterator[list[LightLayer]]:
 class LightMix:
     """The light layers of a render, in memory. If all factors are 1, the mix is the render.
 
-    Attributes:
-        layers: Name of the light group to its light: (H, W, 3) float32, scene-linear, row 0 at the bottom,
-            denoised if the render is.
-        rest: (H, W, 4) float32: the light that is in no layer, and the alpha of the image.
+    `layers` are by light group (H, W, 3) float32, scene-linear, row 0 at the bottom, denoised if the render is; `rest`
+    (H, W, 4) is the light that is in no layer, and the alpha of the image.
     """
 
     def __init__(self, path: Path, view_layer: str, names: Sequence[str], size: tuple[int, int]) -> None:

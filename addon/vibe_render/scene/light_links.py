@@ -67,25 +67,16 @@ def _link(journal: Journal, scene: Scene, light: Object, wanted: Mapping[str, bo
         receivers[_LINKS] = new
         if before:
             receivers[_BEFORE] = before
-        _fill(receivers, _linked(scene, new, states(before)))
+        found = states(before)
+        for link in filter(None, map(schema.light_links.link_of, new)):  # they change the receivers one after the other
+            named = {scene.objects[name] for name in link.objects if name in scene.objects}
+            if link.only:
+                found = {"INCLUDE": named, "EXCLUDE": set()}
+            else:
+                found = {"INCLUDE": found["INCLUDE"] - named, "EXCLUDE": found["EXCLUDE"] | named}
+        by_object = {obj: state for state, objects in found.items() for obj in objects}
+        for obj in sorted(by_object, key=lambda each: each.name_full):
+            receivers.objects.link(obj)
+        for obj, row in zip(receivers.objects, receivers.collection_objects, strict=True):
+            row.light_linking.link_state = by_object[obj]
     journal.set(light.light_linking, "receiver_collection", receivers)
-
-
-def _linked(scene: Scene, keys: Sequence[str], found: States) -> States:
-    """The receivers in `found` after the links of `keys` have changed them, one after the other."""
-    for link in filter(None, map(schema.light_links.link_of, keys)):
-        named = {scene.objects[name] for name in link.objects if name in scene.objects}
-        if link.only:
-            found = {"INCLUDE": named, "EXCLUDE": set()}
-        else:
-            found = {"INCLUDE": found["INCLUDE"] - named, "EXCLUDE": found["EXCLUDE"] | named}
-    return found
-
-
-def _fill(receivers: Collection, found: States) -> None:
-    """Adds objects to a new receiver collection, each with its link state."""
-    by_object = {obj: state for state, objects in found.items() for obj in objects}
-    for obj in sorted(by_object, key=lambda each: each.name_full):
-        receivers.objects.link(obj)
-    for obj, row in zip(receivers.objects, receivers.collection_objects, strict=True):
-        row.light_linking.link_state = by_object[obj]

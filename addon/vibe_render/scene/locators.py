@@ -14,7 +14,7 @@ from ..core.journal import Journal
 from ..core.value_slots import DerivedSlot, PropertySlot, ValueSlot, together
 from . import fog
 from .light_types import type_of
-from .nodes import backgrounds, grade, inputs, layers, light_nodes, trails
+from .nodes import backgrounds, inputs, layers, light_nodes, trails
 from .nodes.backgrounds import BACKDROP, LIGHT
 from .nodes.inputs import FACTOR, HORIZON, TINT, Inset
 from .nodes.trails import NodeEntry
@@ -89,17 +89,16 @@ def shader(name: str, context: SceneContext, material: Material) -> ValueSlot | 
     return inputs.input_slot(lambda: layers.entry(material, name))
 
 
-def _scaled(color: tuple[float, ...], strongest: float) -> tuple[float, ...]:
-    """A color (RGB or RGBA) scaled so that its greatest component is `strongest`, as RGB; gray in place of black."""
-    before = max(color[:3])
-    return tuple(strongest * c / before if before else strongest for c in color[:3])
-
-
 def coat_weight(context: SceneContext, material: Material) -> ValueSlot | None:
     """The weight of a coat: the shader's input, else the greatest color component of a metal's lacquer (`lacquer_over`)."""
+
+    def scaled(color: tuple[float, ...], strongest: float) -> tuple[float, ...]:
+        before = max(color[:3])
+        return tuple(strongest * c / before if before else strongest for c in color[:3])  # black becomes gray
+
     color = inputs.input_slot(partial(layers.lacquer_entry, material, "Base Color"))
     own = shader("Coat Weight", context, material)
-    return own or (DerivedSlot(color, lambda rgb: min(max(rgb[:3]), 1.0), _scaled) if color else None)
+    return own or (DerivedSlot(color, lambda rgb: min(max(rgb[:3]), 1.0), scaled) if color else None)
 
 
 def coat_roughness(context: SceneContext, material: Material) -> ValueSlot | None:
@@ -116,16 +115,11 @@ def surface_color(context: SceneContext, material: Material) -> ValueSlot | None
     return inputs.input_slot(lambda: layers.colors(material)[0], tinted=True) if len(colors) == 1 else None
 
 
-def glow_color(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The emission color, or the Vibe Tint on a color that nodes compute."""
-    find = partial(layers.entry, material, "Emission Color")
-    return inputs.input_slot(find, tinted=True) or TINT.slot(find, "Tint")
-
-
-def glow_strength(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The emission strength, or the Vibe Factor on a strength that nodes compute."""
-    find = partial(layers.entry, material, "Emission Strength")
-    return inputs.input_slot(find, tinted=True) or FACTOR.slot(find, "Factor")
+def glow(name: str, context: SceneContext, material: Material) -> ValueSlot | None:
+    """The emission color or strength ("Color", "Strength"), or the Vibe Tint or Factor on one that nodes compute."""
+    find = partial(layers.entry, material, f"Emission {name}")
+    inset, changed = (TINT, "Tint") if name == "Color" else (FACTOR, "Factor")
+    return inputs.input_slot(find, tinted=True) or inset.slot(find, changed)
 
 
 def material_tint(name: str, context: SceneContext, material: Material) -> ValueSlot | None:
@@ -135,11 +129,7 @@ def material_tint(name: str, context: SceneContext, material: Material) -> Value
 
 def _of_all(find: Callable[[], list[NodeEntry]], inset: Inset, name: str, plain: bool = True) -> ValueSlot | None:
     """One slot for an input of the insets on all node inputs that `find` returns; `plain` as for `Inset.slot`."""
-
-    def entry(number: int) -> NodeEntry:
-        return find()[number]
-
-    slots = [inset.slot(partial(entry, n), name, plain) for n in range(len(find()))]
+    slots = [inset.slot(lambda number=n: find()[number], name, plain) for n in range(len(find()))]
     return together([slot for slot in slots if slot])
 
 
@@ -192,25 +182,17 @@ def _single(world: World, part: str, name: str, inset: bool = True) -> NodeEntry
 
 def volume(name: str, context: SceneContext, scene: Scene) -> ValueSlot | None:
     """A value of the fog: of the artist's world volume if there is one, else of the Vibe Fog box."""
-
-    def own() -> trails.NodeInGroups | None:
-        world = rendered.world(scene)
-        return trails.world_volume(world) if world else None
+    world = rendered.world(scene)
+    if trails.world_volume(world) is None:
+        return fog.fog_slot(context, name)
 
     def find() -> NodeEntry | None:
-        node = own()
+        node = trails.world_volume(world)
         return node.entry(name) if node else None
 
-    if own():
-        return inputs.input_slot(find)
-    return fog.fog_slot(context, name)
+    return inputs.input_slot(find)
 
 
 def view(name: str, context: SceneContext, scene: Scene) -> ValueSlot:
     """A property of the scene's view transform."""
     return PropertySlot(scene.view_settings, name, locks.of_property(scene.view_settings, name))
-
-
-def graded(name: str, context: SceneContext, scene: Scene) -> ValueSlot:
-    """An input of the Vibe Grade group in the compositor."""
-    return grade.grade_slot(scene, name)

@@ -5,18 +5,18 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from bpy.types import NodeSocket, Object, Scene, bpy_struct
+from bpy.types import Scene, bpy_struct
 from mathutils import Vector
 
 from ..core import compat, rendered
 from ..core.color import from_oklab, to_oklab
-from ..core.journal import Journal, resolve
+from ..core.journal import resolve
 from ..core.schema_import import labels, schema
 from ..core.value_slots import PropertySlot
 from . import bindings, keyframes, snapshot, steps
@@ -34,21 +34,14 @@ _TURNING = ("azimuth", "rotation")
 
 @dataclass
 class Moment:
-    """A look at a frame.
-
-    Attributes:
-        values: The values that the look changes, by key.
-        base: The scene's values without the look; has all keys of `values`, and more.
-        pivot: The subject's center, world space.
-        subject: Names of the subject's objects.
-    """
+    """A look at a frame."""
 
     frame: int
     prompt: str
-    values: ByKey
-    base: ByKey
-    pivot: list[float]
-    subject: list[str] = field(default_factory=list)
+    values: ByKey  # the values that the look changes
+    base: ByKey  # the scene's values without the look; has all keys of `values`, and more
+    pivot: list[float]  # the subject's center, world space
+    subject: list[str] = field(default_factory=list)  # names of its objects
 
 
 def of(scene: Scene) -> list[Moment]:
@@ -105,16 +98,11 @@ def completed(moments: Sequence[Moment]) -> tuple[ByKey, list[ByKey]]:
             if schema.light_links.link_of(key):  # no curve can link a light: it is linked at all frames
                 known = near.values | known
             value = next((known[origin] for origin in steps.origins(key) if origin in known), near.base[key])
-            look[key] = last = _short_way(key, last, value)
+            if last and schema.split_key(key)[2] in _TURNING:  # an equivalent angle, at most half a turn from the last
+                value = [last[0] + (value[0] - last[0] + 180.0) % 360.0 - 180.0]
+            look[key] = last = value
         base[key] = having[0].base[key]
     return base, looks
-
-
-def _short_way(key: str, last: list[float] | None, value: list[float]) -> list[float]:
-    """The value; of an angle, the equivalent one that is at most half a turn from the last."""
-    if last is None or schema.split_key(key)[2] not in _TURNING:
-        return value
-    return [last[0] + (value[0] - last[0] + 180.0) % 360.0 - 180.0]
 
 
 def between(key: str, first: Sequence[float], last: Sequence[float], share: float) -> list[float]:
@@ -132,7 +120,9 @@ def between(key: str, first: Sequence[float], last: Sequence[float], share: floa
         found = from_oklab(_straight(to_oklab(np.array(first)), to_oklab(np.array(last)), share))
         return [min(float(v), max(1.0, *first, *last)) for v in found]  # OKLab may leave the gamut
     if parameter.name in _BRIGHT:
-        return [_by_stops(first[0], last[0], share)]
+        # From or to 0 almost linearly, so that a cross-fade of two lights keeps the brightness.
+        dim = 0.0 if min(first[0], last[0]) > 0.0 else max(first[0], last[0])
+        return [math.exp(_straight(math.log(first[0] + dim), math.log(last[0] + dim), share)) - dim]
     if parameter.name in _TURNING:
         return [_straight(first[0], last[0], share)]
     return steps.along(key, first, (first, last), share)
@@ -140,12 +130,6 @@ def between(key: str, first: Sequence[float], last: Sequence[float], share: floa
 
 def _straight(first: Any, last: Any, share: float) -> Any:
     return first + share * (last - first)
-
-
-def _by_stops(first: float, last: float, share: float) -> float:
-    """Interpolates in stops; from or to 0 almost linearly, so that a cross-fade of two lights keeps the brightness."""
-    dim = 0.0 if min(first, last) > 0.0 else max(first, last)
-    return math.exp(_straight(math.log(first + dim), math.log(last + dim), share)) - dim
 
 
 def _tracks(scene: Scene, moments: Sequence[Moment], base: ByKey, looks: Sequence[ByKey]) -> list[Track]:
@@ -161,8 +145,11 @@ def _tracks(scene: Scene, moments: Sequence[Moment], base: ByKey, looks: Sequenc
     seen: list[int | None] = []
     with snapshot.undone(scene) as journal:
         for frame, look, place in ((None, base, moments[-1].pivot), *samples):
-            _follow(journal, scene, Vector(place) - pivot)
-            pivot = Vector(place)
+            way, pivot = Vector(place) - pivot, Vector(place)
+            # The lights that Vibe Render added orbit the subject's center: they move with it.
+            for light in (o for o in scene.objects if o.type == "LIGHT" and owned.MARK in o) if way.length else ():
+                journal.set(light, "location", light.location + way)
+            rendered.layer(scene).update()
             bindings.put(journal, scene, look, (), pivot)
             rendered.layer(scene).update()
             for entry in journal.entries:
@@ -196,13 +183,6 @@ def _samples(moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[tuple[in
     return found
 
 
-def _follow(journal: Journal, scene: Scene, way: Vector) -> None:
-    """Moves the lights that Vibe Render added by `way`, as the subject moved, because they orbit its center."""
-    for light in (o for o in scene.objects if o.type == "LIGHT" and owned.MARK in o) if way.length else ():
-        journal.set(light, "location", light.location + way)
-    rendered.layer(scene).update()
-
-
 def _cards(scene: Scene, moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[Track]:
     """Opacity of each card (`owned.CARD`): 0 at moments where its light is off, so that it shadows no other light."""
     tracks = []
@@ -210,37 +190,21 @@ def _cards(scene: Scene, moments: Sequence[Moment], looks: Sequence[ByKey]) -> l
         keys = [f"light/{card.parent.name}/{name}" for name in ("power", "strength")]
         lit = [any(look.get(key, [0.0])[0] for key in keys) for look in looks]
         with snapshot.transaction(scene) as journal:
-            opacity = _opacity(journal, card)
-        frames = (moment.frame for moment in moments)
-        tracks.append(Track(opacity, "default_value", 0, dict(zip(frames, map(float, lit), strict=True))))
+            if not card.data.materials:
+                material = owned.new(journal, "materials", owned.CARD)
+                tree = compat.enable_nodes(material)
+                tree.nodes.clear()
+                kinds = ("BsdfTransparent", "BsdfDiffuse", "MixShader", "OutputMaterial")
+                clear, gray, mix, output = (tree.nodes.new(f"ShaderNode{kind}") for kind in kinds)
+                mix.name = owned.CARD
+                tree.links.new(clear.outputs[0], mix.inputs[1])
+                tree.links.new(gray.outputs[0], mix.inputs[2])
+                tree.links.new(mix.outputs[0], output.inputs["Surface"])
+                journal.append_material(card.data, material)
+        opacity = card.data.materials[0].node_tree.nodes[owned.CARD].inputs[0]
+        values = {moment.frame: float(shines) for moment, shines in zip(moments, lit, strict=True)}
+        tracks.append(Track(opacity, "default_value", 0, values))
     return tracks
-
-
-def _opacity(journal: Journal, card: Object) -> NodeSocket:
-    """The opacity input of a card's material, which is made if it is missing."""
-    if not card.data.materials:
-        material = owned.new(journal, "materials", owned.CARD)
-        tree = compat.enable_nodes(material)
-        tree.nodes.clear()
-        kinds = ("BsdfTransparent", "BsdfDiffuse", "MixShader", "OutputMaterial")
-        clear, gray, mix, output = (tree.nodes.new(f"ShaderNode{kind}") for kind in kinds)
-        mix.name = owned.CARD
-        tree.links.new(clear.outputs[0], mix.inputs[1])
-        tree.links.new(gray.outputs[0], mix.inputs[2])
-        tree.links.new(mix.outputs[0], output.inputs["Surface"])
-        journal.append_material(card.data, material)
-    return card.data.materials[0].node_tree.nodes[owned.CARD].inputs[0]
-
-
-def _flags(values: Mapping[int, bool]) -> dict[int, bool]:
-    """A flag, such as `hide_render`, at the frames where it changes.
-
-    Between two samples it is set only if both have it: an object that is hidden at one of them is visible on the way.
-    """
-    frames = list(values)
-    held = {a: values[a] and values[b] for a, b in pairwise([*frames, frames[-1]])}
-    changes = [b for a, b in pairwise(frames) if held[a] != held[b]]
-    return {frame: held[frame] for frame in (frames[0], *changes)}
 
 
 def _curves(owner: bpy_struct, name: str, values: dict[int | None, Any], frames: Sequence[int]) -> list[Track]:
@@ -250,11 +214,16 @@ def _curves(owner: bpy_struct, name: str, values: dict[int | None, Any], frames:
     """
     base = values.pop(None)
     by_frame = {frame: value for frame, value in values.items() if frame is not None}
+    every = list(by_frame)
     if not owner.bl_rna.properties[name].is_animatable:
         return []
     if isinstance(base, bool):
-        changes = any(flag != base for flag in by_frame.values())
-        return [Track(owner, name, 0, _flags(by_frame))] if changes else []
+        if all(flag == base for flag in by_frame.values()):
+            return []
+        # Between two samples a flag is set only if both have it: what is hidden at one of them is visible on the way.
+        flags = {a: by_frame[a] and by_frame[b] for a, b in pairwise([*every, every[-1]])}
+        changes = [b for a, b in pairwise(every) if flags[a] != flags[b]]
+        return [Track(owner, name, 0, {frame: flags[frame] for frame in (every[0], *changes)})]
     rows = np.array([np.atleast_1d(value) for value in (base, *by_frame.values())], float)
     if name == "rotation_quaternion":  # the negative is the same rotation
         for before, now in pairwise(rows):
@@ -262,16 +231,12 @@ def _curves(owner: bpy_struct, name: str, values: dict[int | None, Any], frames:
     tracks = []
     for index, column in enumerate(rows.T):
         if np.ptp(column) > _UNCHANGED * max(np.abs(column).max(), 1.0):
-            tracks.append(Track(owner, name, index, _thinned(list(by_frame), column[1:], frames)))
+            # Keys at the moments, and where straight lines between them would miss a value.
+            kept = {every.index(frame) for frame in frames}
+            for one, other in pairwise(sorted(kept)):
+                _keep(np.array(every, float), column[1:], one, other, kept)
+            tracks.append(Track(owner, name, index, {every[i]: float(column[1 + i]) for i in sorted(kept)}))
     return tracks
-
-
-def _thinned(every: list[int], values: np.ndarray, frames: Sequence[int]) -> dict[int, float]:
-    """Values by frame: all at the moments, and those between that straight lines would miss (`_TOLERANCE`)."""
-    kept = {every.index(frame) for frame in frames}
-    for one, other in pairwise(sorted(kept)):
-        _keep(np.array(every, float), values, one, other, kept)
-    return {every[i]: float(values[i]) for i in sorted(kept)}
 
 
 def _keep(frames: np.ndarray, values: np.ndarray, one: int, other: int, kept: set[int]) -> None:

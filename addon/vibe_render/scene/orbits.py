@@ -38,7 +38,15 @@ class Pose:
     @classmethod
     def of(cls, obj: Object, pivot: Vector) -> Pose:
         """The object's present pose; a sun counts as placed in the direction that its light comes from."""
-        rotation = _rotation(obj)
+        if obj.parent or obj.constraints:
+            rotation = obj.matrix_world.to_3x3().normalized()
+        elif obj.rotation_mode == "QUATERNION":
+            rotation = obj.rotation_quaternion.normalized().to_matrix()
+        elif obj.rotation_mode == "AXIS_ANGLE":
+            angle, *axis = obj.rotation_axis_angle
+            rotation = Matrix.Rotation(angle, 3, Vector(axis))
+        else:
+            rotation = obj.rotation_euler.to_matrix()
         offset = obj.matrix_world.translation - pivot
         toward = type_of(obj).offset(obj, pivot, rotation) if obj.type == "LIGHT" else offset
         azimuth, elevation = schema.orbit.angles(toward)
@@ -83,14 +91,3 @@ class OrbitSlot:
         if not same(raw, self.get()):
             setattr(self.pose, self.name, raw)
             self.pose.apply(journal)
-
-
-def _rotation(obj: Object) -> Matrix:
-    if obj.parent or obj.constraints:
-        return obj.matrix_world.to_3x3().normalized()
-    if obj.rotation_mode == "QUATERNION":
-        return obj.rotation_quaternion.normalized().to_matrix()
-    if obj.rotation_mode == "AXIS_ANGLE":
-        angle, *axis = obj.rotation_axis_angle
-        return Matrix.Rotation(angle, 3, Vector(axis))
-    return obj.rotation_euler.to_matrix()

@@ -42,8 +42,7 @@ _LEAST_LIGHT = 0.1  # radiance above which a white surface at the subject counts
 _CLEAR = 0.2  # distance of a light from a wall, in parts of the way from the subject to the wall
 _BACKWARDS = Matrix.Rotation(pi + radians(35.0), 4, "X")
 """Turns a light away from the subject and down, so that it lights the wall behind it and the floor at the wall."""
-LIGHT_TYPE = "AREA"
-"""The type of a light that is added for a role."""
+LIGHT_TYPE = "AREA"  # the type of a light that is added for a role
 
 
 def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> None:
@@ -51,23 +50,25 @@ def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> None:
     about = list(subject) or scene_context.meshes(scene)
     low, high = scene_context.bounds(scene, about)
     with snapshot.transaction(scene) as journal:
-        _add_world(journal, scene)
+        shown = rendered.world(scene)
+        if shown is None:
+            world = owned.new(journal, "worlds", "Vibe World")
+            compat.enable_nodes(world)
+            rendered.set_world(scene, world, journal.set)
+        elif rendered.world_users(shown) > 1:  # a copy in place of a world that other scenes use too
+            rendered.set_world(scene, journal.copy("worlds", shown), journal.set)
         _add_camera(journal, scene, low, high)
-        _add_key(journal, scene, low, high)
+        if not (
+            rendered.lights(scene)
+            or rendered.instanced_lights(scene)
+            or _light_of_surfaces(scene, (low + high) / 2.0) > _LEAST_LIGHT
+        ):
+            key = add_light(journal, scene, "Vibe Key", low, high)
+            if _is_lit(scene):
+                key.data.energy = 0.0  # a scene that its world lights keeps its look
         for obj in about if not rendered.override_lock(scene) else ():
             _add_material(journal, obj)
     rendered.layer(scene).update()
-
-
-def _add_world(journal: Journal, scene: Scene) -> None:
-    """Adds a world if there is none; replaces a world that other scenes use too by a copy."""
-    shown = rendered.world(scene)
-    if shown is None:
-        world = owned.new(journal, "worlds", "Vibe World")
-        compat.enable_nodes(world)
-        rendered.set_world(scene, world, journal.set)
-    elif rendered.world_users(shown) > 1:
-        rendered.set_world(scene, journal.copy("worlds", shown), journal.set)
 
 
 def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> None:
@@ -84,19 +85,6 @@ def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> No
     camera.matrix_world = orbit_matrix((low + high) / 2.0, 25.0, 15.0, distance)
     scene.collection.objects.link(camera)
     journal.set(scene, "camera", camera)
-
-
-def _add_key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> None:
-    """Adds a key light if the scene has no lights and no glowing surfaces; with no power if the world lights it."""
-    if (
-        rendered.lights(scene)
-        or rendered.instanced_lights(scene)
-        or _light_of_surfaces(scene, (low + high) / 2.0) > _LEAST_LIGHT
-    ):
-        return
-    light = add_light(journal, scene, "Vibe Key", low, high)
-    if _is_lit(scene):
-        light.data.energy = 0.0  # a scene that its world lights keeps its look
 
 
 def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vector) -> Object:
@@ -193,23 +181,20 @@ def _light_of_surfaces(scene: Scene, place: Vector) -> float:
     glow = functools.cache(lambda material: layers.emitted_radiance(material) if material else 0.0)
     for thing, _, matrix in rendered.instances(scene):
         strengths = [glow(m) for m in rendered.worn(thing, of)] if thing.type == "MESH" else []
-        if any(strengths):
-            total += _light_of_mesh(thing.data, np.array(matrix), strengths, place)
+        if not any(strengths):
+            continue
+        # The sum of radiance x min(area / (2 pi d^2), 1) over the mesh's faces: half of them count as facing away.
+        faces, rotation, offset = thing.data.polygons, np.array(matrix)[:3, :3], np.array(matrix)[:3, 3]
+        area = array(faces, "area", (len(faces),), float)
+        index = array(faces, "material_index", (len(faces),), np.int32)
+        way = array(faces, "center", (len(faces), 3), float) @ rotation.T + offset - np.array(place)
+        scale = abs(np.linalg.det(rotation)) ** (2.0 / 3.0)
+        strength = np.array(strengths)[np.clip(index, 0, len(strengths) - 1)]
+        factor = np.minimum(0.5 * scale * area / (pi * np.maximum((way**2).sum(1), 1e-6)), 1.0)
+        total += float((strength * factor).sum())
         if total > _LEAST_LIGHT:
             break
     return total
-
-
-def _light_of_mesh(mesh: bpy.types.Mesh, matrix: np.ndarray, strengths: list[float], place: Vector) -> float:
-    """The sum of radiance x min(area / (2 pi d^2), 1) over a mesh's faces: half of them count as facing away."""
-    count = len(mesh.polygons)
-    area = array(mesh.polygons, "area", (count,), float)
-    index = array(mesh.polygons, "material_index", (count,), np.int32)
-    way = array(mesh.polygons, "center", (count, 3), float) @ matrix[:3, :3].T + matrix[:3, 3] - np.array(place)
-    scale = abs(np.linalg.det(matrix[:3, :3])) ** (2.0 / 3.0)
-    strength = np.array(strengths)[np.clip(index, 0, len(strengths) - 1)]
-    factor = np.minimum(0.5 * scale * area / (pi * np.maximum((way**2).sum(1), 1e-6)), 1.0)
-    return float((strength * factor).sum())
 
 
 def shared_materials(subject: Sequence[Object]) -> dict[Material, list[Object]]:

@@ -134,7 +134,7 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
     world = rendered.world(scene)
     if group == "world":
         return [Owner("", world)] if world else []
-    if group == "volume" and not (world and trails.world_volume(world)):
+    if group == "volume" and not trails.world_volume(world):
         # A box of fog would get the material that overrides all others.
         return [Owner("", scene, locked=rendered.override_lock(scene))]
     return [Owner("", scene)]

@@ -39,11 +39,7 @@ def forget(scene: Scene) -> None:
 
 
 def revert(scene: Scene) -> list[str]:
-    """Restores all values changed since `take` and removes the snapshot; returns what could not be restored, in words.
-
-    Raises:
-        VibeError: There is no snapshot, or one of a newer version, or a damaged one.
-    """
+    """Restores all values changed since `take` and removes the snapshot; returns what could not be restored, in words."""
     journal = load(scene)
     lost = keyframes.take_away(scene)
     forget(scene)  # first: the property counts as a user of the blocks to remove
@@ -114,7 +110,7 @@ def undone(scene: Scene) -> Iterator[Journal]:
 
 
 def load(scene: Scene) -> Journal:
-    """The journal of all changes since `take`; raises VibeError as `revert` does."""
+    """The journal of all changes since `take`; raises VibeError without a snapshot, or for a newer or damaged one."""
     if not exists(scene):
         raise schema.VibeError("This scene has no snapshot to revert to.", "Only a vibed scene can be reverted.")
     try:

@@ -7,7 +7,6 @@ import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-import bpy
 import numpy as np
 from bpy.types import Object, Scene
 
@@ -36,26 +35,24 @@ class SubjectChoice:
 
 
 def choose_subject(
-    scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces, choice: SubjectChoice
+    scene: Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces, choice: SubjectChoice
 ) -> np.ndarray:
     """The objects of the geometry that are the subject: (number of objects,) bool, at least one True.
 
     Raises VibeError for an unknown name, or if no chosen object is visible to a render.
     """
     names = {o.name_full for o in named_objects(scene, choice)}
-    if not names:
-        return automatic_subject(scene, geometry, surfaces)
     chosen = np.array([name in names or parent in names for name, parent in geometry.objects])
-    if not chosen.any():
-        if not choice.explicit:  # the stored subject is not in the image now
-            return automatic_subject(scene, geometry, surfaces)
+    if chosen.any():
+        return chosen
+    if names and choice.explicit:
         raise schema.VibeError("The chosen subject has no mesh that a render shows.", "Choose another object.")
-    return chosen
+    return automatic_subject(scene, geometry, surfaces)  # no choice, or a stored subject that is not in the image now
 
 
-def named_objects(scene: bpy.types.Scene, choice: SubjectChoice) -> list[bpy.types.Object]:
+def named_objects(scene: Scene, choice: SubjectChoice) -> list[Object]:
     """The chosen or stored objects with their children; empty without a choice. Raises VibeError for an unknown name."""
-    chosen: list[bpy.types.Object] = []
+    chosen: list[Object] = []
     for name in choice.objects:
         collection = next((c for c in scene.collection.children_recursive if c.name == name), None)
         if collection is None and name not in scene.objects:
@@ -71,7 +68,7 @@ def named_objects(scene: bpy.types.Scene, choice: SubjectChoice) -> list[bpy.typ
     return list(dict.fromkeys(o for thing in chosen for o in (thing, *thing.children_recursive)))
 
 
-def automatic_subject(scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces) -> np.ndarray:
+def automatic_subject(scene: Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces) -> np.ndarray:
     """The prominent objects in view, without their grounds and backdrops: (number of objects,) bool.
 
     Surroundings are objects that reach three sides of the image or enclose the camera, thin objects at the image's

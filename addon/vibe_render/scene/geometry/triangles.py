@@ -8,10 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-FARTHEST = 1e9
-"""Meters from the origin beyond which squares of areas leave the range of 32-bit floats."""
-_BATCH = 1_000_000
-"""Most vertices that are transformed at once for copies of a mesh; limits memory."""
+FARTHEST = 1e9  # meters from the origin beyond which squares of areas leave the range of 32-bit floats
+_BATCH = 1_000_000  # most vertices that are transformed at once for copies of a mesh; limits memory
 
 
 @dataclass(frozen=True)
@@ -140,7 +138,10 @@ def _pieces(copies: list[PlacedMesh]) -> Iterator[_Piece]:
         usable = x & y & z
         vertices[~usable] = 0.0
         points = vertices[:, faces]
-        whole = _has_area(points)
+        # Triangles that are only lines or points have no cross product; np.cross takes four times as long.
+        a, b, c = np.moveaxis(points.astype(float), -2, 0)
+        (x, y, z), (u, v, w) = np.moveaxis(b - a, -1, 0), np.moveaxis(c - a, -1, 0)
+        whole = (y * w != z * v) | (z * u != x * w) | (x * v != y * u)
         if not usable.all():
             whole &= usable[:, faces].all(2)
         boxes = np.stack([points.min((1, 2)), points.max((1, 2))], axis=1)
@@ -149,35 +150,22 @@ def _pieces(copies: list[PlacedMesh]) -> Iterator[_Piece]:
             keep = slice(None) if complete else whole[copy]
             # a mirrored copy keeps its winding counter-clockwise seen from outside
             order = slice(None, None, -1 if mirrored[copy] else 1)
+            kept = points[copy][keep].reshape(-1, 3)
             yield _Piece(
                 vertices[copy],
                 faces[keep][:, order],
                 normals[copy][keep][:, order],
                 uvs[keep][:, order],
                 slot[keep],
-                boxes[copy] if complete else _box(points[copy][keep].reshape(-1, 3)),
+                boxes[copy] if complete or not len(kept) else np.stack([kept.min(0), kept.max(0)]),
                 not usable[copy].all(),
             )
-
-
-def _box(points: np.ndarray) -> np.ndarray:
-    return np.stack([points.min(0), points.max(0)]) if len(points) else np.zeros((2, 3), np.float32)
-
-
-def _has_area(corners: np.ndarray) -> np.ndarray:
-    """(..., F) bool: whether triangles (..., F, 3, 3) are more than lines and points."""
-    a, b, c = np.moveaxis(corners.astype(float), -2, 0)
-    (x, y, z), (u, v, w) = np.moveaxis(b - a, -1, 0), np.moveaxis(c - a, -1, 0)
-    return (y * w != z * v) | (z * u != x * w) | (x * v != y * u)  # np.cross takes four times as long
 
 
 def _place(
     vertices: np.ndarray, normals: np.ndarray, matrices: np.ndarray, sign: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices (I, V, 3) and corner normals (I, F, 3, 3) in world space, of copies at matrices (I, 4, 4).
-
-    `sign` (I,) is -1 for mirrored copies.
-    """
+    """World-space vertices (I, V, 3) and corner normals (I, F, 3, 3) of copies at matrices (I, 4, 4); sign -1 if mirrored."""
     linear = matrices[:, :3, :3]
     with np.errstate(invalid="ignore", over="ignore"):
         placed = vertices @ linear.transpose(0, 2, 1) + matrices[:, None, :3, 3]

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import bpy
 import numpy as np
+from bpy.types import Scene
 from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 
@@ -35,7 +35,7 @@ class VisibleSurfaces:
     material: np.ndarray  # (R, R) int, index into its materials, -1 for none
 
 
-def ray_camera(scene: bpy.types.Scene) -> RayCamera:
+def ray_camera(scene: Scene) -> RayCamera:
     """The scene's camera, copied."""
     lens, pose = scene.camera.data, np.array(scene.camera.matrix_world.normalized())
     frame = np.array(lens.view_frame(scene=scene))
@@ -46,7 +46,18 @@ def visible_surfaces(camera: RayCamera, geometry: SceneGeometry) -> VisibleSurfa
     """Casts the camera's rays at triangles; does not read Blender's data. All -1 for an empty geometry."""
     hits = np.full((RAYS, RAYS), -1)
     if len(geometry.faces):
-        near = np.flatnonzero(_may_meet(camera, geometry) & geometry.seen)
+        # A fine mesh lies mostly between the rays: leaving out triangles that no ray may meet makes a small tree.
+        low, high = camera.frame[:, :2].min(0), camera.frame[:, :2].max(0)
+        pose = np.linalg.inv(camera.pose)
+        points = geometry.vertices @ pose[:3, :3].T + pose[:3, 3]
+        positions = points[:, :2]
+        if not camera.flat:
+            positions = positions * (camera.frame[0, 2] / np.minimum(points[:, 2:], -1e-6))
+        column = ((positions - low) / (high - low) * RAYS - 0.5)[geometry.faces]  # (F, 3, 2), in rays
+        left = np.ceil(np.maximum(column.min(1), 0) - _SLACK)
+        right = np.floor(np.minimum(column.max(1), RAYS - 1) + _SLACK)
+        behind = (points[:, 2] > -1e-6)[geometry.faces].any(1)
+        near = np.flatnonzero(((left <= right).all(1) | behind) & geometry.seen)
         corners = geometry.vertices[geometry.faces[near]].reshape(-1, 3)
         faces = np.arange(len(corners)).reshape(-1, 3)
         tree = BVHTree.FromPolygons(corners.tolist(), faces.tolist(), all_triangles=True)
@@ -62,21 +73,6 @@ def visible_surfaces(camera: RayCamera, geometry: SceneGeometry) -> VisibleSurfa
         hits[holdout[hits]] = -1  # -1 indexes the last face, but stays -1
     owner, material = (np.append(a, -1)[hits] for a in (geometry.object, geometry.material))
     return VisibleSurfaces(owner, material)
-
-
-def _may_meet(camera: RayCamera, geometry: SceneGeometry) -> np.ndarray:
-    """(F,) bool: triangles that a ray may meet. A fine mesh lies mostly between the rays; leaving that out makes a small tree."""
-    low, high = camera.frame[:, :2].min(0), camera.frame[:, :2].max(0)
-    pose = np.linalg.inv(camera.pose)
-    points = geometry.vertices @ pose[:3, :3].T + pose[:3, 3]
-    positions = points[:, :2]
-    if not camera.flat:
-        positions = positions * (camera.frame[0, 2] / np.minimum(points[:, 2:], -1e-6))
-    column = ((positions - low) / (high - low) * RAYS - 0.5)[geometry.faces]  # (F, 3, 2), in rays
-    first = np.ceil(np.maximum(column.min(1), 0) - _SLACK)
-    last = np.floor(np.minimum(column.max(1), RAYS - 1) + _SLACK)
-    behind = (points[:, 2] > -1e-6)[geometry.faces].any(1)
-    return (first <= last).all(1) | behind
 
 
 def camera_rays(camera: RayCamera, count: int) -> tuple[np.ndarray, np.ndarray]:

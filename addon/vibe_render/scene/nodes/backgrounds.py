@@ -31,16 +31,13 @@ NO_HORIZON = (1.0, 1.0, 1.0)
 _HIGHEST = 0.6  # height of the horizon in the image, 0 to 1, from which the camera counts as looking down
 
 
-def has_backdrop(world: World) -> bool:
+def has_backdrop(world: World | None) -> bool:
     """True if Mix Shaders by Is Camera Ray show the camera other Backgrounds than those that light the scene."""
-    ways = {_seen_by_camera(layer) for layer in _world_layers(world)}
-    return ways == {True, False}
+    return bool(layers_of_part(world, BACKDROP))
 
 
-def mixed_backgrounds(world: World, part: str = LIGHT) -> list[Layer]:
-    """The Background nodes that are mixed into a world's Surface, for what lights the scene (LIGHT) or what the camera sees (BACKDROP).
-
-    Empty for a single, plain Background.
+def mixed_backgrounds(world: World | None, part: str = LIGHT) -> list[Layer]:
+    """The Backgrounds that are mixed into a part (LIGHT or BACKDROP) of a world; none for a single, plain Background.
 
     A single Background counts as a mix if nodes compute its strength, or if its color depends on the kind of ray.
     """
@@ -48,7 +45,7 @@ def mixed_backgrounds(world: World, part: str = LIGHT) -> list[Layer]:
     return found if len(found) > 1 or any(_is_mix(layer) for layer in found) else []
 
 
-def single_background(world: World, part: str = LIGHT) -> NodeInGroups | None:
+def single_background(world: World | None, part: str = LIGHT) -> NodeInGroups | None:
     """The only Background of a part of a world; None where it is mixed, or where there is none."""
     found = [] if mixed_backgrounds(world, part) else layers_of_part(world, part)
     return next((layer.shader for layer in found if layer.kind == BACKGROUND), None)
@@ -59,14 +56,6 @@ def mixed_entries(world: World, part: str, name: str) -> list[NodeEntry]:
     layers = mixed_backgrounds(world, part)
     alike = tuple(s for layer in layers if (s := layer.shader.input(name)))
     return trails.distinct(layer.shader.entry(name, alike) for layer in layers)
-
-
-def shares_picture(world: World) -> bool:
-    """True if backdrop and light get their colors from the same node output, such as one texture."""
-    parts = [single_background(world, part) for part in (LIGHT, BACKDROP)]
-    colors = [background.entry("Color") for background in parts if background]
-    sources = [artists_origin(color).source for color in colors if color]
-    return len(sources) == 2 and sources[0] is not None and sources[0] == sources[1]
 
 
 def _is_mix(layer: Layer) -> bool:
@@ -80,23 +69,15 @@ def _is_mix(layer: Layer) -> bool:
     )
 
 
-def _world_layers(world: World) -> list[Layer]:
-    output = compat.output_node(world)
-    return list(behind(output.inputs["Surface"])) if output else []
-
-
-def layers_of_part(world: World, part: str) -> list[Layer]:
+def layers_of_part(world: World | None, part: str) -> list[Layer]:
     """All shaders of a part of a world's surface; without a backdrop of its own, everything is LIGHT."""
-    layers = _world_layers(world)
-    if not has_backdrop(world):
+    output = compat.output_node(world)
+    layers = list(behind(output.inputs["Surface"])) if output else []
+    # True for a Background for camera rays alone, False for all other rays, None for both
+    ways = [next((side.second for side in layer.sides if not _weighs(side)), None) for layer in layers]
+    if {*ways} != {True, False}:
         return layers if part == LIGHT else []
-    return [layer for layer in layers if _seen_by_camera(layer) == (part == BACKDROP)]
-
-
-def _seen_by_camera(layer: Layer) -> bool | None:
-    """True if a Background is for camera rays alone, False if for all other rays, None if for both."""
-    ways = [side.second for side in layer.sides if not _weighs(side)]
-    return ways[0] if ways else None
+    return [layer for layer, way in zip(layers, ways, strict=True) if way == (part == BACKDROP)]
 
 
 def _weighs(side: MixSide) -> bool:
@@ -200,7 +181,7 @@ def horizon_height(scene: Scene, world: World | None) -> float:
     A backdrop with a Vibe Horizon keeps its height. Otherwise the scene's camera gives it, but for a camera that looks
     down or has no perspective, it is 0: the backdrop fades from the bottom.
     """
-    seen = single_background(world, BACKDROP) if world else None
+    seen = single_background(world, BACKDROP)
     color = seen.entry("Color") if seen else None
     if made := HORIZON.of(resolve(color).source) if color else None:
         return made.inputs["Height"].default_value
@@ -218,11 +199,9 @@ def horizon_height(scene: Scene, world: World | None) -> float:
 
 def _add_backdrop(journal: Journal, world: World) -> None:
     """Adds a Background for camera rays alone, which equals the one that lights, without the insets in front of it."""
-    single = single_background(world)
-    tree = compat.node_tree(world)
+    single, tree, output = single_background(world), compat.node_tree(world), compat.output_node(world)
     assert single
     assert tree
-    output = compat.output_node(world)
     assert output
     surface = output.inputs["Surface"]
     lighting = active_links(surface)[0].from_socket
@@ -251,12 +230,9 @@ def _add_backdrop(journal: Journal, world: World) -> None:
 
 def offered_backdrop(world: World | None, instances: Mapping[str, schema.Instance]) -> dict[str, schema.Instance]:
     """The parameters that a backdrop would have; none where the world cannot have one, or is partly locked."""
-    output = compat.output_node(world)
-    single = single_background(world) if world else None
+    output, single = compat.output_node(world), single_background(world)
     # The world has to have one plain Background, not in a group, that both lights and is seen.
-    if output is None or single is None or has_backdrop(world):
-        return {}
-    if single.inside or not active_links(output.inputs["Surface"]):
+    if not (output and single) or has_backdrop(world) or single.inside or not active_links(output.inputs["Surface"]):
         return {}
     own = {key: instances[its] for key, its in WORLD_OF_BACKDROP.items() if its in instances}
     if any(instance.locked for instance in own.values()):

@@ -9,8 +9,9 @@ has the same formulas in torch (proxy_renderer/render/film.py).
 from __future__ import annotations
 
 import math
+from typing import Any
 
-from bpy.types import Node, NodeSocket, NodeTree, Scene
+from bpy.types import NodeSocket, NodeTree, Scene
 
 from ...core import compat
 from ...core.color import LUMA
@@ -38,8 +39,8 @@ BLOOM = {"Highlights Threshold": 1.0, "Highlights Smoothness": 0.1, "Saturation"
 """The Glare node's settings, by socket identifier."""
 
 
-def grade_slot(scene: Scene, name: str) -> LazySlot:
-    """An input of the scene's grade."""
+def graded(name: str, context: Any, scene: Scene) -> LazySlot:
+    """Locator (see `bindings`) of an input of the scene's grade."""
     tree = compat.compositor(scene)
 
     def find() -> ValueSlot | None:
@@ -47,7 +48,14 @@ def grade_slot(scene: Scene, name: str) -> LazySlot:
         return socket_slot(nodes[0].inputs[name]) if nodes else None
 
     def make(journal: Journal) -> ValueSlot:
-        return socket_slot(insert_grade(journal, scene).inputs[name])
+        """Adds the grade in front of the output; a scene without compositing gets a compositor tree first."""
+        tree = compat.editable_compositor(journal, scene)
+        target = compat.compositor_output(tree)
+        assert target
+        node = owned.group_node(journal, tree, NAME, _fill, target.node)
+        journal.link(active_links(target)[0].from_socket, node.inputs["Image"])
+        journal.link(node.outputs["Image"], target)
+        return socket_slot(node.inputs[name])
 
     locked = ""
     if tree is not None and tree.library:
@@ -63,18 +71,6 @@ def cut_off(tree: NodeTree | None) -> bool:
         return False
     target = compat.compositor_output(tree)
     return target is None or not active_links(target)
-
-
-def insert_grade(journal: Journal, scene: Scene) -> Node:
-    """Adds the grade in front of the output; a scene without compositing gets a compositor tree first."""
-    tree = compat.compositor(scene) or compat.start_compositor(journal, scene)
-    tree = compat.own_compositor(journal, scene, tree)
-    target = compat.compositor_output(tree)
-    assert target
-    node = owned.group_node(journal, tree, NAME, _fill, target.node)
-    journal.link(active_links(target)[0].from_socket, node.inputs["Image"])
-    journal.link(node.outputs["Image"], target)
-    return node
 
 
 def _fill(tree: NodeTree) -> None:
@@ -122,8 +118,4 @@ def _fill(tree: NodeTree) -> None:
     smooth = build.math("MULTIPLY", build.math("MULTIPLY", t, t), build.math("MULTIPLY_ADD", t, -2.0, 3.0))
     factor = build.math("SUBTRACT", 1.0, build.math("MULTIPLY", smooth, vignette))
     color = build.vector("SCALE", color, scale=factor)
-    # the image's own alpha
-    alpha = build.node("CompositorNodeSeparateColor", Image=image).outputs["Alpha"]
-    node = build.node("CompositorNodeSetAlpha", Image=color, Alpha=alpha)
-    compat.set_option(node, "mode", "Type", "REPLACE_ALPHA", "Replace Alpha")
-    build.output(node.outputs[0])
+    build.output_with_alpha(color, image)

@@ -27,9 +27,7 @@ _SHOWS = {
 """How visible a shader's own color is, relative to a matte shader: coats and glass show what is around them."""
 _GRAZING = {"Fresnel": 0.1, "Facing": 0.3}
 """The mean share of a mix's second shader where the factor is a Fresnel or Layer Weight output, high only at edges."""
-_PART = (
-    0.3  # relative to the most prominent shader's share: a shader below it is an accent, no part of the body's color
-)
+_PART = 0.3  # of the most prominent shader's share: a shader below it is an accent, no part of the body's color
 _COMPUTED_COLOR, _COMPUTED_STRENGTH = 0.5, 1.0  # assumed for emission that nodes compute
 
 
@@ -80,11 +78,6 @@ class Layer:
         return prod(side.share for side in self.sides)
 
     @property
-    def prominence(self) -> float:
-        """The approximate weight of the shader's own color in the visible color; no value that a vibe changes affects it."""
-        return self.share * _SHOWS.get(self.kind, 1.0)
-
-    @property
     def matter(self) -> str:
         """The kind of matter. Layers of the same kind can together make the color of a body."""
         if self.kind in _REFLECTIVE:
@@ -116,10 +109,13 @@ def behind(socket: NodeSocket, inside: tuple[Node, ...] = (), sides: tuple[MixSi
 
 
 def by_prominence(material: Material) -> list[Layer]:
-    """The visible shaders, the most prominent first; equal ones in the order from the output."""
+    """The visible shaders, those with the most weight in the visible color first; equal ones in the order from the output.
+
+    No value that a vibe changes affects the order.
+    """
     shown = [layer for layer in layers(material) if layer.kind != TRANSPARENT]
     visible = [layer for layer in shown if layer.share > 0.0]
-    return sorted(visible or shown, key=lambda layer: -layer.prominence)
+    return sorted(visible or shown, key=lambda layer: -layer.share * _SHOWS.get(layer.kind, 1.0))
 
 
 def entry(material: Material, name: str) -> NodeEntry | None:

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 from bpy.types import ID, Node, NodeSocket, NodeTree, Object
 
+from ...core import compat
 from ...core.journal import Journal
 from ...core.rendered import MARK
 from ...core.schema_import import schema
@@ -142,3 +143,10 @@ class Builder:
         """The group's only output."""
         node = self.add(self.tree.nodes.new("NodeGroupOutput"))
         self.tree.links.new(source, node.inputs[0])
+
+    def output_with_alpha(self, color: NodeSocket, image: NodeSocket) -> None:
+        """The group's only output: a color with the alpha of an image."""
+        alpha = self.node("CompositorNodeSeparateColor", Image=image).outputs["Alpha"]
+        node = self.node("CompositorNodeSetAlpha", Image=color, Alpha=alpha)
+        compat.set_option(node, "mode", "Type", "REPLACE_ALPHA", "Replace Alpha")
+        self.output(node.outputs[0])

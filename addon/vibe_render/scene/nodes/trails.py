@@ -178,15 +178,8 @@ class NodeInGroups:
         return NodeEntry(socket, self.inside, alike) if socket else None
 
 
-def bumps_normals(material: Material) -> bool:
-    """True if a material's Displacement is rendered, at least partly, as a change of its normals."""
-    output = compat.output_node(material)
-    as_bump = material.displacement_method != "DISPLACEMENT"
-    return bool(output and active_links(output.inputs["Displacement"]) and as_bump)
-
-
-def world_volume(world: World) -> NodeInGroups | None:
-    """The volume node of the artist's own fog, behind the World Output's Volume; None without one."""
+def world_volume(world: World | None) -> NodeInGroups | None:
+    """The volume node of the artist's own fog, behind the World Output's Volume; None without one, or without a world."""
     output = compat.output_node(world)
     if output is None:
         return None
