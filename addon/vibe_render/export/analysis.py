@@ -14,9 +14,9 @@ from ..core import names, rendered
 from ..core.rendered import GEOMETRY
 from ..core.schema_import import schema
 from ..scene import copies, subject
-from ..scene.geometry import visibility
+from ..scene.geometry import triangles
 from ..scene.geometry.meshes import collect_meshes
-from ..scene.geometry.triangles import PlacedMesh, SceneGeometry, assembled
+from ..scene.geometry.triangles import PlacedMesh, RayCamera, SceneGeometry, VisibleSurfaces
 from ..scene.scene_context import SceneContext
 from .materials import uv_of
 
@@ -26,7 +26,7 @@ class VisibleScene:
     """A captured scene and what its camera sees of it; holds no reference into Blender's data."""
 
     geometry: SceneGeometry
-    visible: visibility.VisibleSurfaces
+    visible: VisibleSurfaces
     blocks: frozenset[tuple[str, str]]  # kind and name of the objects and materials that the geometry names
 
 
@@ -36,15 +36,15 @@ class SceneCapture:
 
     meshes: list[PlacedMesh]
     warnings: list[str]  # what could not be copied, in words for the artist
-    camera: visibility.RayCamera
+    camera: RayCamera
     blocks: frozenset[tuple[str, str]]  # kind and name of all objects and materials of the file
 
     def visible_scene(self) -> VisibleScene:
         """Computes what the camera sees. Safe in a thread: it reads nothing of Blender's data."""
-        geometry = assembled(self.meshes, self.warnings)
+        geometry = triangles.assembled(self.meshes, self.warnings)
         named = {("object", name) for pair in geometry.objects for name in pair}
         named |= {("material", name) for name in geometry.materials}
-        surfaces = visibility.visible_surfaces(self.camera, geometry)
+        surfaces = triangles.visible_surfaces(self.camera, geometry)
         return VisibleScene(geometry, surfaces, self.blocks & named)
 
 
@@ -54,7 +54,7 @@ class SceneAnalysis:
 
     scene: Scene
     geometry: SceneGeometry
-    visible: visibility.VisibleSurfaces
+    visible: VisibleSurfaces
     is_subject: np.ndarray  # (number of objects in the geometry,) bool
     objects: tuple[Object, ...]
     low: tuple[float, float, float]  # and `high`: corners of the subject's bounding box, world space, meters
@@ -97,7 +97,7 @@ def capture(scene: Scene) -> SceneCapture:
         raise schema.VibeError("The scene has no camera.", "Add one, and aim it at the subject.")
     check_scene(scene)
     meshes, warnings = copies.evaluate_render(scene, lambda depsgraph: collect_meshes(depsgraph, uv_of))
-    return SceneCapture(meshes, warnings, visibility.ray_camera(scene), data_blocks())
+    return SceneCapture(meshes, warnings, triangles.ray_camera(scene), data_blocks())
 
 
 def data_blocks() -> frozenset[tuple[str, str]]:

@@ -18,13 +18,11 @@ from ..core import names, rendered
 from ..core.schema_import import atomic, labels, schema
 from ..scene import bindings, fog, scene_context
 from ..scene.nodes import backgrounds, mix, trails
-from . import compositing, measured, notes, view, world_light
+from . import measured, notes, view, world_light
 from .analysis import SceneAnalysis
 from .materials import NO_MATERIAL, ExportedMaterial, export_material
 
 FORMAT = 1
-_OF_WORDS = ("camera", "light", "material")
-"""Groups of parameters that a sketch needs to explain words: positions of lights, emission of materials."""
 
 
 def _finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, schema.Instance], list[str]]:
@@ -47,9 +45,8 @@ def _finite_content(value: Any, path: str, warnings: list[str]) -> Any:
     if isinstance(value, list | tuple):
         return [_finite_content(item, path, warnings) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
-        warnings.append(
-            f"{path.replace('/', ' › ').replace('_', ' ')} is not a number in Blender; the prediction takes 0."
-        )
+        name = path.replace("/", " › ").replace("_", " ")
+        warnings.append(f"{name} is not a number in Blender; the prediction takes 0.")
         return 0.0
     return value
 
@@ -96,14 +93,13 @@ def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> Sc
     folder.mkdir(parents=True, exist_ok=True)
     scene, geometry = analysis.scene, analysis.geometry
     view_notes = notes.view_notes(analysis)
-    bound = bindings.instances(scene, analysis.objects, analysis.pivot)
     materials = measured.measured_materials(analysis) if measure else _unmeasured(analysis)
-    instances, replaced = _finite_instances(_with_materials(bound, analysis, materials))
+    instances, replaced = _instances(analysis, materials)
     light_rows, standby = view.standby_lights(analysis)
     standby |= view.standby_backdrop(analysis, instances)
     by_reason = notes.notes_by_reason(_material_notes(analysis, materials))
     warnings = [names.note(), *view_notes, *by_reason, *geometry.warnings]
-    table = compositing.color_table(scene)
+    table = view.color_table(scene)
     warnings += rendered.image_notes(scene)
     if any(color != (1.0, 1.0, 1.0) for color in mix.read_mix(scene).values()):
         warnings.append("The compositor's light mix is left out of the prediction. Apply it in Light Mix instead.")
@@ -141,9 +137,9 @@ def write_sketch(analysis: SceneAnalysis, folder: Path) -> None:
     The only renders are small ones for lights whose nodes have no plain factor (`bake.mean_light_factor`).
     """
     folder.mkdir(parents=True, exist_ok=True)
-    bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot, _OF_WORDS)
     materials = _unmeasured(analysis)
-    instances = _finite_instances(_with_materials(bound, analysis, materials))[0]
+    # Parameters that explain words: positions of lights, emission of materials.
+    instances = _instances(analysis, materials, ("camera", "light", "material"))[0]
     content = _content(analysis, materials, instances, folder) | {
         "world": {"kind": "color"},
         "volume": {"kind": "none", "center": analysis.pivot, "half_size": (1.0, 1.0, 1.0), "base": 0.0},
@@ -222,9 +218,8 @@ def _material_notes(analysis: SceneAnalysis, materials: Mapping[str, ExportedMat
 
 def read_parameters(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
     """The parameters of the scene and of a possible backdrop, by key; unlike `write_job`, renders and writes nothing."""
-    bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot)
-    finite = _finite_instances(_with_materials(bound, analysis, {}))[0]
-    return {**finite, **view.standby_backdrop(analysis, finite)}
+    instances = _instances(analysis, {})[0]
+    return {**instances, **view.standby_backdrop(analysis, instances)}
 
 
 def _roles(analysis: SceneAnalysis) -> dict[str, str]:
@@ -237,11 +232,12 @@ def _roles(analysis: SceneAnalysis) -> dict[str, str]:
     }
 
 
-def _with_materials(
-    bound: Mapping[str, schema.Instance], analysis: SceneAnalysis, materials: Mapping[str, ExportedMaterial]
-) -> dict[str, schema.Instance]:
-    """The bound parameters, with roles of materials from the analysis, and locked ones for values only the export knows."""
+def _instances(
+    analysis: SceneAnalysis, materials: Mapping[str, ExportedMaterial], groups: Sequence[str] = schema.GROUPS
+) -> tuple[dict[str, schema.Instance], list[str]]:
+    """The scene's parameters, and notes, as from `_finite_instances`; locked ones for values that only the export knows."""
     roles = _roles(analysis)
+    bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot, groups)
     instances = {
         key: replace(i, role=roles.get(i.owner, i.role)) if i.parameter.group == "material" else i
         for key, i in bound.items()
@@ -255,7 +251,7 @@ def _with_materials(
                 reason = before.locked if before else exported.reason
                 instance = schema.Instance(parameter, owner, value, role=roles[owner], locked=reason)
                 instances[instance.key] = instance
-    return instances
+    return _finite_instances(instances)
 
 
 def _parameter(instance: schema.Instance) -> dict[str, Any]:

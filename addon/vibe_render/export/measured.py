@@ -223,29 +223,22 @@ def _cropped(values: np.ndarray, shown: np.ndarray) -> MeasuredChannel:
     left, right = max(0, columns[0] - _GROWN), min(width, columns[-1] + 1 + _GROWN)
     part, covered = values[bottom:top, left:right], shown[bottom:top, left:right]
     mean = part[covered].mean(0)
-    image = _grown(part, covered, mean)
-    window = (left / width, bottom / height, right / width, top / height)
-    return MeasuredChannel(mean, textures.ExportedTexture(image.astype(np.float32), "EXTEND", "", window))
-
-
-def _grown(values: np.ndarray, covered: np.ndarray, rest: np.ndarray) -> np.ndarray:
-    """Fills pixels outside `covered` with the mean of known neighbors, `_GROWN` pixels deep, and all others with `rest`.
-
-    `values` is (h, w, C), `covered` (h, w) bool is true for known pixels, `rest` is (C,).
-    """
-    values = np.where(covered[..., None], values, 0.0)
+    # Fill unknown pixels with the mean of known neighbors, as deep as the part was extended; all others with the mean.
+    image = np.where(covered[..., None], part, 0.0)
     for _ in range(_GROWN):
-        total, count = np.zeros_like(values), np.zeros(covered.shape)
-        padded = np.pad(values, ((1, 1), (1, 1), (0, 0))), np.pad(covered, 1)
+        total, count = np.zeros_like(image), np.zeros(covered.shape)
+        padded = np.pad(image, ((1, 1), (1, 1), (0, 0))), np.pad(covered, 1)
         for dy in range(3):
             for dx in range(3):
                 place = slice(dy, dy + covered.shape[0]), slice(dx, dx + covered.shape[1])
                 total += padded[0][place] * padded[1][place][..., None]
                 count += padded[1][place]
         fresh = ~covered & (count > 0)
-        values[fresh] = total[fresh] / count[fresh][:, None]
+        image[fresh] = total[fresh] / count[fresh][:, None]
         covered = covered | fresh
-    return np.where(covered[..., None], values, rest)
+    image = np.where(covered[..., None], image, mean).astype(np.float32)
+    window = (left / width, bottom / height, right / width, top / height)
+    return MeasuredChannel(mean, textures.ExportedTexture(image, "EXTEND", "", window))
 
 
 @dataclass(frozen=True)

@@ -72,17 +72,15 @@ def check_shows(scene: Scene, filling: str, lit: bool) -> None:
     `filling` is the name of the object that fills the image; "" if others are visible.
     """
     if grade.cut_off(compat.compositor(scene)):
-        why = "no picture reaches the output of its compositor", "Connect one, or take the compositor out."
+        why, remedy = "no picture reaches the output of its compositor", "Connect one, or take the compositor out."
     elif scene.cycles.film_exposure * 2.0**scene.view_settings.exposure < _FAINT:
-        why = "it is hardly exposed", "Raise Exposure in Render Properties > Film, or in Color Management."
+        why, remedy = "it is hardly exposed", "Raise Exposure in Render Properties > Film, or in Color Management."
     elif filling:
-        why = (
-            f'"{filling}" fills the picture, and no light reaches the side that the camera sees',
-            f'Move "{filling}" away from the camera, or hide it in renders.',
-        )
+        why = f'"{filling}" fills the picture, and no light reaches the side that the camera sees'
+        remedy = f'Move "{filling}" away from the camera, or hide it in renders.'
     elif not lit:
+        why = "no light reaches what the camera sees"
         remedy = "Turn a light on or towards it, or ask for one in the prompt: “lit from the left”."
-        why = "no light reaches what the camera sees", remedy
     else:
         return
-    raise schema.VibeError(f"The scene renders black: {why[0]}.", why[1])
+    raise schema.VibeError(f"The scene renders black: {why}.", remedy)

@@ -14,8 +14,8 @@ from mathutils import Vector
 from ..core import rendered
 from ..core.schema_import import schema
 from ..scene import fog, keyframes, snapshot
-from ..scene.geometry import visibility
 from ..scene.geometry.meshes import box_geometry
+from ..scene.geometry.triangles import ray_camera, visible_surfaces
 from ..scene.nodes import owned
 from ..scene.prepare import prepare_scene
 from ..scene.subject import SubjectChoice, named_objects
@@ -90,14 +90,11 @@ def _prepared(scene: Scene, choice: SubjectChoice) -> Iterator[SceneAnalysis]:
 
 
 def sketch_scene(scene: Scene, folder: Path, choice: SubjectChoice) -> None:
-    """Writes a sketch: a job folder with bounding boxes in place of meshes, for explaining words.
-
-    The scene is not changed, except for unreadable names. Raises as `check_scene` and `analyze`.
-    """
+    """Writes a sketch: a job folder with bounding boxes in place of meshes, for explaining words; changes names at most."""
     check_scene(scene)
     rendered.layer(scene).update()  # collections and matrices that have just changed
-    camera = visibility.ray_camera(scene)
+    camera = ray_camera(scene)
     shown = {obj for obj in rendered.shown(scene) if not owned.is_unseen(obj)}
     geometry = box_geometry(scene, shown, camera)
-    visible = VisibleScene(geometry, visibility.visible_surfaces(camera, geometry), frozenset())
+    visible = VisibleScene(geometry, visible_surfaces(camera, geometry), frozenset())
     write_sketch(analyze(scene, choice, visible), folder)

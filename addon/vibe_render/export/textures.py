@@ -68,9 +68,8 @@ def uv_texture(material: Material, channel: str, origin: ValueOrigin) -> Exporte
     alpha = channel == "alpha" and source.name == "Alpha"
     image = image_alpha(node.image) if alpha else image_colors(node.image)
     if image is None:
-        missing = f"The image {node.image.name!r} is missing"
-        # as Cycles shows it
-        return ExportedTexture(np.array([[[1.0, 0.0, 1.0]]], np.float32), warning=missing)
+        pink = np.array([[[1.0, 0.0, 1.0]]], np.float32)  # as Cycles shows it
+        return ExportedTexture(pink, warning=f"The image {node.image.name!r} is missing")
     return ExportedTexture(image, {"MIRROR": "REPEAT"}.get(node.extension, node.extension))
 
 
@@ -151,7 +150,10 @@ def plain_image(source: NodeSocket | None, outputs: tuple[str, ...] = ("Color",)
 
 
 def _coordinates(node: Node) -> tuple[str, np.ndarray] | None:
-    """The UV map ("" for the active one) and 3x3 matrix that a texture node reads; None for other coordinates."""
+    """The UV map ("" for the active one) and 3x3 matrix that a texture node reads; None for other coordinates.
+
+    Mapping nodes count that are of type Point, have constant values, and rotate about Z alone.
+    """
     matrix = np.eye(3)
     links = active_links(node.inputs["Vector"])
     while links:
@@ -162,26 +164,18 @@ def _coordinates(node: Node) -> tuple[str, np.ndarray] | None:
             return before.uv_map, matrix
         if before.type == "REROUTE":
             links = active_links(before.inputs[0])
-        elif before.bl_idname == "ShaderNodeMapping" and (step := _mapping_matrix(before)) is not None:
-            matrix = matrix @ step
+        elif before.bl_idname == "ShaderNodeMapping" and before.vector_type == "POINT":
             links = active_links(before.inputs["Vector"])
-            if not links:
+            entries = [before.inputs[name] for name in ("Location", "Rotation", "Scale")]
+            place, turn, size = (entry.default_value for entry in entries)
+            if any(map(active_links, entries)) or turn[0] or turn[1] or not links:
                 return None
+            c, s = np.cos(turn[2]), np.sin(turn[2])
+            step = [[c * size[0], -s * size[1], place[0]], [s * size[0], c * size[1], place[1]], [0, 0, 1]]
+            matrix = matrix @ np.array(step)
         else:
             return None
     return "", matrix
-
-
-def _mapping_matrix(node: Node) -> np.ndarray | None:
-    """The 3x3 matrix of a Mapping node on UVs; None if it is computed, not of type Point, or rotates about X or Y."""
-    names = ("Location", "Rotation", "Scale")
-    if node.vector_type != "POINT" or any(active_links(node.inputs[n]) for n in names):
-        return None
-    place, turn, size = (node.inputs[n].default_value for n in names)
-    if turn[0] or turn[1]:
-        return None
-    c, s = np.cos(turn[2]), np.sin(turn[2])
-    return np.array([[c * size[0], -s * size[1], place[0]], [s * size[0], c * size[1], place[1]], [0, 0, 1]])
 
 
 def _upstream(source: NodeSocket) -> list[Node]:

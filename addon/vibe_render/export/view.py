@@ -1,30 +1,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Camera, lights and film for the engine: properties that no vibe changes, and lights and backdrops that words may add."""
+"""Camera, film, compositor and lights for the engine, as no vibe changes them; lights and backdrops that words may add."""
 
 from __future__ import annotations
 
+import math
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import bpy
 import numpy as np
-from bpy.types import Object, Scene
+from bpy.types import Image, Node, NodeTree, Object, Scene
 from mathutils import Vector
 
-from ..core import rendered
-from ..core.compat import assign
+from ..core import compat, rendered
 from ..core.schema_import import schema
 from ..core.temporary import temporary
 from ..render import bake
 from ..scene import bindings, light_links, orbits, prepare, scene_context, snapshot
+from ..scene.copies import copied_scene, viewer
 from ..scene.light_types import exported, has_uneven_cone, type_of
 from ..scene.nodes import backgrounds, layers, light_nodes
 from .analysis import SceneAnalysis
 
+TABLE_SIZE = 33  # colors along each axis of the table
+TABLE_TOE, TABLE_STOPS = schema.radiometry.TABLE_TOE, schema.radiometry.TABLE_STOPS
+_TABLE_SIDE = math.isqrt(TABLE_SIZE**3 - 1) + 1  # pixels, of a square image with all colors of the table
+_TABLE_TOLERANCE = 0.02  # in units of `_in_stops`
 MOST_INSTANCES = 24  # instances of lights in the prediction, at most
 
 _SEEN_WORLD = 0.05  # part of the image around the subject; a world that fills less counts as not visible
@@ -136,10 +141,10 @@ def white_balance(scene: Scene) -> list[list[float]]:
     with temporary(image, twin):
         plain = {"look": "None", "view_transform": "Raw", "exposure": 0.0, "gamma": 1.0}
         try:
-            assign(twin.view_settings, **plain, use_curve_mapping=False)
+            compat.assign(twin.view_settings, **plain, use_curve_mapping=False)
         except TypeError:
             return []
-        assign(twin.render.image_settings, **bake.png("RGB", "16"))
+        compat.assign(twin.render.image_settings, **bake.png("RGB", "16"))
         image.pixels.foreach_set(np.insert(colors, 3, 1.0, axis=1).ravel())
         with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
             path = Path(folder) / "colors.png"
@@ -156,6 +161,62 @@ def ocio_config() -> str:
     if os.path.isfile(chosen):
         return os.path.abspath(chosen)  # absolute, because the engine has another working directory
     return os.path.join(bpy.utils.system_resource("DATAFILES", path="colormanagement"), "config.ocio")
+
+
+def color_table(scene: Scene) -> np.ndarray | None:
+    """Scene-linear colors after the compositor, (TABLE_SIZE, TABLE_SIZE, TABLE_SIZE, 3), on the scale of `_in_stops`.
+
+    The axes are the input's blue, green and red, evenly spaced on the same scale from 0 to TABLE_STOPS. None if the
+    compositor leaves colors alone, and if no table can describe it: the result depends on a pixel's position or on its
+    neighbors, or the compositor reads more than the image of the first rendered view layer.
+    """
+    if rendered.changing_compositor(scene) is None:
+        return None
+    axis = TABLE_TOE * (2 ** np.linspace(0.0, TABLE_STOPS, TABLE_SIZE) - 1)
+    blue, green, red = np.meshgrid(axis, axis, axis, indexing="ij")
+    colors = np.zeros((_TABLE_SIDE**2, 3), np.float32)
+    colors[: TABLE_SIZE**3] = np.stack((red, green, blue), -1).reshape(-1, 3)
+    # The same colors at other pixels show whether the position matters.
+    order = np.random.default_rng(0).permutation(len(colors))
+    image = bpy.data.images.new("Vibe Colors", _TABLE_SIDE, _TABLE_SIDE, float_buffer=True, is_data=True)
+    size = {"resolution_x": _TABLE_SIDE, "resolution_y": _TABLE_SIDE, "resolution_percentage": 100}
+    with temporary(image), copied_scene(scene, graded=True, **size) as twin:
+        for node in list(_layers(compat.compositor(twin))):
+            names = {socket.name for socket in node.outputs if socket.is_linked}
+            first = node.scene in (None, twin) and node.layer == rendered.layer(twin).name
+            if names != {"Image"} or not first:
+                return None
+            source = node.id_data.nodes.new("CompositorNodeImage")
+            source.image = image
+            for link in list(node.outputs["Image"].links):
+                node.id_data.links.new(source.outputs["Image"], link.to_socket)
+        straight, mixed = (_in_stops(_composited(twin, image, each)) for each in (colors, colors[order]))
+    if np.abs(straight[order] - mixed).max() > _TABLE_TOLERANCE:
+        return None
+    return straight[: TABLE_SIZE**3].reshape(TABLE_SIZE, TABLE_SIZE, TABLE_SIZE, 3)
+
+
+def _layers(tree: NodeTree | None) -> Iterator[Node]:
+    """The linked Render Layers nodes of a tree and its groups; also mutes Vibe Render's own grades."""
+    for node in tree.nodes if tree else ():
+        if node.bl_idname == "CompositorNodeRLayers" and any(s.is_linked for s in node.outputs):
+            yield node
+        elif node.type == "GROUP" and node.node_tree:
+            node.mute = node.mute or rendered.MARK in node.node_tree
+            yield from _layers(node.node_tree)
+
+
+def _composited(twin: Scene, image: Image, colors: np.ndarray) -> np.ndarray:
+    """The compositor's output for `image` filled with these colors: (N, 3) like the input, one color a pixel."""
+    image.pixels.foreach_set(np.insert(colors, 3, 1.0, axis=1).ravel())
+    image.update()
+    with viewer(twin, lambda _: None):
+        return bake.render_pixels(twin, bake.LINEAR)[..., :3].reshape(-1, 3)
+
+
+def _in_stops(colors: np.ndarray) -> np.ndarray:
+    """Linear colors c of any shape as sign(c) · log2(|c| / TABLE_TOE + 1): stops, but 0 at black."""
+    return np.sign(colors) * np.log2(np.abs(np.nan_to_num(colors)) / TABLE_TOE + 1)
 
 
 def light_notes(scene: Scene) -> list[str]:

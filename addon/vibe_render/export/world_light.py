@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 
 import numpy as np
 from bpy.types import NodeTree, World
@@ -74,24 +74,24 @@ def _mix(world: World) -> tuple[np.ndarray, np.ndarray | None]:
     """Images of all Backgrounds as they light surfaces, and as the camera sees them (None if it cannot differ)."""
     with _untinted(world) as (twin, trees):
         seen = _panorama(twin)
-        paths = [(tree, node) for tree in trees for node in tree.nodes if node.type == "LIGHT_PATH"]
+        paths = [node for tree in trees for node in tree.nodes if node.type == "LIGHT_PATH"]
         if not paths:
             return seen, None
         # Replace the Light Path nodes by their outputs for rays from matte surfaces.
-        for tree, node in paths:
-            for output in node.outputs:
-                targets = [link.to_socket for link in output.links]
-                if targets:
-                    constant = tree.nodes.new("ShaderNodeValue").outputs[0]
-                    constant.default_value = _LIGHT.get(output.name, 0.0)
-                    for target in targets:
-                        tree.links.new(constant, target)
+        for output in [each for node in paths for each in node.outputs if each.is_linked]:
+            tree, targets = output.id_data, [link.to_socket for link in output.links]
+            constant = tree.nodes.new("ShaderNodeValue").outputs[0]
+            constant.default_value = _LIGHT.get(output.name, 0.0)
+            for target in targets:
+                tree.links.new(constant, target)
         return _panorama(twin), seen
 
 
 def _panorama(world: World) -> np.ndarray:
     """A world's image; a single texel if it is the same in all directions."""
-    picture = bake.bake_world(world, _HEIGHT, _SAMPLES)
+    with bake.empty_scene(2 * _HEIGHT, _HEIGHT) as scene:
+        scene.world = world
+        picture = bake.bake_panorama(scene, _SAMPLES)
     even = float(np.ptp(picture, axis=(0, 1)).max()) < 1e-5 * float(picture.max())
     return picture[:1, :1] if even else picture
 
@@ -125,8 +125,6 @@ def _plain(world: World, origin: trails.ValueOrigin) -> Iterator[World]:
     journal = Journal()
     if turn := backgrounds.rotation_slot(twin):  # the rotation is a separate parameter
         turn.set(journal, 0.0)
-    with temporary(twin, *bake.emit(twin.node_tree, origin, "Background", "World")):
-        try:
-            yield twin
-        finally:
-            journal.undo()
+    with temporary(twin, *bake.emit(twin.node_tree, origin, "Background", "World")), ExitStack() as stack:
+        stack.callback(journal.undo)
+        yield twin

@@ -18,7 +18,7 @@ from ..core import rendered
 from ..core.schema_import import messages, schema
 from ..scene import bindings
 from ..scene.copies import copied_scene
-from . import final_render, light_groups
+from . import bake, final_render, light_groups
 
 
 def answer_anchor(
@@ -67,5 +67,6 @@ def render_anchor(
         emitters = {owner: members for owner, members in found.items() if all(m.is_editable for m in members)}
         numbered = ((f"Vibe {n}", members) for n, members in enumerate(emitters.values()))
         with light_groups.grouped(layer, numbered) as names:
-            final_render.render_layers(twin, layer, path, size, samples, seed)
+            final_render.set_up(twin, size, samples, seed)
+            bake.render_file(twin, path, {**bake.LAYERS, "exr_codec": "ZIP"}, layer=layer.name)
     return dict(zip(names, emitters, strict=True))

@@ -14,7 +14,7 @@ from typing import Any
 import bmesh
 import bpy
 import numpy as np
-from bpy.types import Image, Light, Material, NodeTree, Object, Scene, World
+from bpy.types import Image, Light, Material, NodeTree, Object, Scene
 from mathutils import Vector
 
 from ..core import compat, rendered
@@ -40,10 +40,7 @@ def png(mode: str, depth: str = "8") -> dict[str, Any]:
 
 
 def render_file(scene: Scene, path: Path, kind: Mapping[str, Any], **options: str) -> None:
-    """Renders a temporary scene to a file, atomically.
-
-    `kind` has the file's `image_settings`, such as `LINEAR`; `options` are passed to `bpy.ops.render.render`.
-    """
+    """Renders a temporary scene to a file, atomically, with `image_settings` such as `LINEAR`, and options of the operator."""
     assign(scene.render.image_settings, **kind)
     assign(scene.render, use_overwrite=True, use_file_extension=True)
     with whole(path) as part:
@@ -51,22 +48,25 @@ def render_file(scene: Scene, path: Path, kind: Mapping[str, Any], **options: st
         bpy.ops.render.render(scene=scene.name, write_still=True, **options)
 
 
+def render_pixels(scene: Scene, kind: Mapping[str, Any], **options: str) -> np.ndarray:
+    """Renders a temporary scene as `render_file` does: the pixels as `read_file` gives them."""
+    with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
+        path = Path(folder) / f"pixels.{'png' if kind['file_format'] == 'PNG' else 'exr'}"
+        render_file(scene, path, kind, **options)
+        return read_file(path)
+
+
 def _render_linear(scene: Scene, samples: int) -> np.ndarray:
     """Renders the scene with Cycles, without bounces: (H, W, 3) float32, scene-linear, row 0 at the bottom."""
     scene.render.engine = "CYCLES"
     exact = {"samples": samples, "use_denoising": False, "use_adaptive_sampling": False}
-    with tempfile.TemporaryDirectory() as folder, changed(scene.cycles, device="CPU", max_bounces=0, **exact):
-        path = Path(folder) / "linear.exr"
-        render_file(scene, path, LINEAR, layer=rendered.layer(scene).name)
-        with temporary(bpy.data.images.load(str(path))) as image:
-            return image_pixels(image)
+    with changed(scene.cycles, device="CPU", max_bounces=0, **exact):
+        pixels = render_pixels(scene, LINEAR, layer=rendered.layer(scene).name)
+    return np.nan_to_num(pixels[..., :3], nan=0.0, posinf=0.0, neginf=0.0)
 
 
 def render_passes(scene: Scene) -> dict[str, np.ndarray]:
-    """Renders a scene; returns the passes of its first rendered view layer, by name.
-
-    A pass is (H, W, C) float32, row 0 at the bottom; its channels C are in the order RGBA or XYZW.
-    """
+    """Renders a scene; returns the passes (H, W, C) float32 of its first rendered view layer by name, row 0 at the bottom."""
     layer = rendered.layer(scene)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "passes.exr"
@@ -177,10 +177,7 @@ def emit(tree: NodeTree, origin: ValueOrigin, shader: str, output: str) -> list[
 
 
 def bake_view(scene: Scene, material: Material, size: int) -> np.ndarray:
-    """The camera's view of the scene with one emitting material on all objects: (H, W, 3), scene-linear.
-
-    `size` is the longer side in pixels.
-    """
+    """The camera's view with one emitting material on all objects: (H, W, 3), scene-linear; `size` is its longer side."""
     sides = scene.render.resolution_x, scene.render.resolution_y
     width, height = (max(16, round(size * side / max(sides))) for side in sides)  # 16: Blender's minimum
     with copied_scene(
@@ -206,15 +203,8 @@ def bake_uvs(material: Material, size: int) -> np.ndarray:
             return _render_linear(scene, samples=4)
 
 
-def bake_world(world: World, height: int, samples: int) -> np.ndarray:
-    """A world as an equirectangular environment texture: (height, 2 * height, 3), scene-linear, row 0 straight down."""
-    with empty_scene(2 * height, height) as scene:
-        scene.world = world
-        return _bake_panorama(scene, samples)
-
-
-def _bake_panorama(scene: Scene, samples: int) -> np.ndarray:
-    """The panorama around the camera of a temporary scene, laid out as in `bake_world`."""
+def bake_panorama(scene: Scene, samples: int) -> np.ndarray:
+    """The surroundings of a temporary scene's camera, equirectangular: (H, 2H, 3), scene-linear, row 0 straight down."""
     camera = scene.camera
     camera.data.type = "PANO"
     target = camera.data if hasattr(camera.data, "panorama_type") else camera.data.cycles
@@ -249,9 +239,9 @@ def mean_light_factor(light: Object, pivot: Vector) -> tuple[float, float, float
     toward = -light.matrix_world.col[2].xyz if endless else way
     with _lit_ball(light, 1.0 if endless else max(way.length, 1e-3)) as (scene, data):
         light_nodes.whiten(data)
-        with_nodes = _bake_panorama(scene, _FACTOR_SAMPLES)
+        with_nodes = bake_panorama(scene, _FACTOR_SAMPLES)
         light_nodes.flatten(data)
-        without_nodes = _bake_panorama(scene, _FACTOR_SAMPLES)
+        without_nodes = bake_panorama(scene, _FACTOR_SAMPLES)
     # The weight of each texel of a panorama, (H, 2H, 1): solid angle times the cosine to the pivot, at least 0.
     elevation = ((np.arange(_FACTOR_HEIGHT) + 0.5) / _FACTOR_HEIGHT - 0.5) * math.pi
     azimuth = (0.5 - (np.arange(2 * _FACTOR_HEIGHT) + 0.5) / (2 * _FACTOR_HEIGHT)) * 2 * math.pi

@@ -3,14 +3,13 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
 import bpy
 import numpy as np
-from bpy.types import Object, Scene, ViewLayer
+from bpy.types import Object, Scene
 
 from ..core import rendered
 from ..core.compat import assign, changed
@@ -39,7 +38,7 @@ def render_picture(
     multilayer EXR: scene-linear, noisy, before compositor and exposure.
     """
     with copied_scene(scene, graded=True) as twin:
-        _set_up(twin, size, samples, seed)
+        set_up(twin, size, samples, seed)
         if exact:
             assign(twin.cycles, use_adaptive_sampling=False, use_denoising=False)
         mode = "RGBA" if scene.render.film_transparent else "RGB"
@@ -63,12 +62,6 @@ def render_final(scene: Scene, path: Path) -> None:
         bake.render_file(twin, path, bake.png("RGBA" if scene.render.film_transparent else "RGB"))
 
 
-def render_layers(twin: Scene, layer: ViewLayer, path: Path, size: int, samples: int, seed: int) -> None:
-    """Renders one view layer as `render_picture` does; writes all its passes to a compressed 32-bit float EXR."""
-    _set_up(twin, size, samples, seed)
-    bake.render_file(twin, path, {**bake.LAYERS, "exr_codec": "ZIP"}, layer=layer.name)
-
-
 def render_mask(scene: Scene, path: Path, size: int, subject: Iterable[Object]) -> None:
     """Renders a gray PNG: the share of each pixel that the subject covers, white for all of it.
 
@@ -77,20 +70,18 @@ def render_mask(scene: Scene, path: Path, size: int, subject: Iterable[Object]) 
     theirs = {o.name_full for o in subject}
     with ExitStack() as stack:
         twin = stack.enter_context(copied_scene(scene, film_transparent=True))
-        _set_up(twin, size, _MASK_SAMPLES, 0)
+        set_up(twin, size, _MASK_SAMPLES, 0)
         assign(twin.cycles, use_denoising=False, max_bounces=0)
         rendered.set_world(twin, None)
         for thing in scene.objects:
             holdout = thing.name_full not in theirs and thing.type not in ("LIGHT", "CAMERA")
             hiding = {"hide_render": True} if is_fog(thing) else {"is_holdout": holdout}
             stack.enter_context(changed(thing, **hiding))
-        with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
-            colors = Path(folder) / path.name
-            bake.render_file(twin, colors, bake.png("RGBA"))
-            _save(np.repeat(bake.read_file(colors)[..., 3:], 3, axis=2), path)
+        _save(np.repeat(bake.render_pixels(twin, bake.png("RGBA"))[..., 3:], 3, axis=2), path)
 
 
-def _set_up(twin: Scene, size: int, samples: int, seed: int) -> None:
+def set_up(twin: Scene, size: int, samples: int, seed: int) -> None:
+    """Sets a copied scene up for Cycles on the CPU; `size` is the longer side in pixels."""
     import _cycles  # type: ignore[import-not-found]  # exists once the Cycles add-on is enabled
 
     render, cycles = twin.render, twin.cycles

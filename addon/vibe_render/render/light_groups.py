@@ -21,6 +21,7 @@ from ..core import compat, rendered
 from ..core.compat import changed
 from ..core.journal import Journal
 from ..core.temporary import temporary
+from ..scene import snapshot
 from ..scene.copies import copied_scene
 from ..scene.nodes import mix
 from ..scene.nodes.layers import emitted_radiance
@@ -29,7 +30,6 @@ from . import bake
 
 MOST = 12  # maximum number of layers for lights: more sliders are hard to use, and each layer takes memory
 _LITTLE = 1e-3  # share of all light: if less than this is in no layer, it counts as a rounding error, not as light
-_LINEAR = {**bake.LINEAR, "color_mode": "RGBA"}
 WORLD, EMISSION, REST = "World", "Emission", "Other Lights"
 
 
@@ -155,9 +155,11 @@ class LightMix:
         """Reads light groups from an EXR of `render_picture`, which `write` reads again; `size` is width and height."""
         self._path = path
         self.layers: dict[str, np.ndarray] = {}
-        with _opened(path, size) as (scene, image):
-            tree = compat.compositor(scene)
-            assert tree
+        passes = temporary(bpy.data.images.load(str(path)))
+        with bake.empty_scene(*size) as scene, passes as image, snapshot.undone(scene) as journal:
+            tree = compat.start_compositor(journal, scene)
+            for node in [n for n in tree.nodes if n.bl_idname == "CompositorNodeRLayers"]:
+                tree.nodes.remove(node)
             source = _image_node(tree, image, view_layer)
             denoised = "Noisy Image" in source.outputs
             whole = _rendered(scene, source, "Combined")
@@ -193,14 +195,12 @@ class LightMix:
         size = {"resolution_x": width, "resolution_y": height, "resolution_percentage": 100}
         journal = Journal()
         passes = bpy.data.images.load(str(self._path))
-        with temporary(image, passes), copied_scene(scene, graded=True, **size) as twin:
+        with temporary(image, passes), copied_scene(scene, graded=True, **size) as twin, ExitStack() as stack:
+            stack.callback(journal.undo)
             image.pixels.foreach_set(self.mixed(factors).ravel())
-            try:
-                tree = compat.compositor(twin) or compat.start_compositor(journal, twin)
-                _feed(tree, image, passes, rendered.layer(scene).name)
-                bake.render_file(twin, path, bake.png("RGBA"))
-            finally:
-                journal.undo()
+            tree = compat.compositor(twin) or compat.start_compositor(journal, twin)
+            _feed(tree, image, passes, rendered.layer(scene).name)
+            bake.render_file(twin, path, bake.png("RGBA"))
 
 
 def _feed(tree: NodeTree, image: Image, passes: Image, first: str) -> None:
@@ -230,20 +230,6 @@ def _image_node(tree: NodeTree, image: Image, view_layer: str = "") -> Node:
     return node
 
 
-@contextmanager
-def _opened(path: Path, size: tuple[int, int]) -> Iterator[tuple[Scene, Image]]:
-    """A temporary scene whose compositor has no Render Layers, and an image of a file; removed after the block."""
-    journal = Journal()
-    with bake.empty_scene(*size) as scene, temporary(bpy.data.images.load(str(path))) as image:
-        try:
-            tree = compat.start_compositor(journal, scene)
-            for node in [n for n in tree.nodes if n.bl_idname == "CompositorNodeRLayers"]:
-                tree.nodes.remove(node)
-            yield scene, image
-        finally:
-            journal.undo()
-
-
 def _rendered(scene: Scene, source: Node, name: str, denoised: bool = False) -> np.ndarray:
     """A pass of an Image node, denoised if requested: (H, W, 4) float32, row 0 at the bottom."""
     tree = source.id_data
@@ -256,9 +242,4 @@ def _rendered(scene: Scene, source: Node, name: str, denoised: bool = False) -> 
         tree.links.new(output, node.inputs["Image"])
         output = node.outputs[0]
     tree.links.new(output, target)
-    path = Path(bpy.app.tempdir) / "vibe-pass.exr"
-    try:
-        bake.render_file(scene, path, _LINEAR)
-        return bake.read_file(path)
-    finally:
-        path.unlink(missing_ok=True)
+    return bake.render_pixels(scene, {**bake.LINEAR, "color_mode": "RGBA"})

@@ -44,10 +44,7 @@ def picture_obstacle(settings: Any) -> str:
 
 
 def picture_path(scene: Scene, folder: Path) -> str:
-    """The path of the reference image; "" if none is chosen.
-
-    An image of the .blend or a render slot is first saved to the folder. Raises VibeError if it is missing.
-    """
+    """The path of the reference image, saved to the folder if it is no file yet; "" if none is chosen, VibeError if missing."""
     settings = scene.vibe
     if not picture_name(settings):
         return ""

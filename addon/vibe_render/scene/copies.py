@@ -18,13 +18,10 @@ T = TypeVar("T")
 
 @contextmanager
 def copied_scene(scene: Scene, graded: bool = False, **render: Any) -> Iterator[Scene]:
-    """A copy of the scene that shares its objects; removed after the block.
+    """A copy of the scene that shares its objects, with its own output, passes and render result; removed after the block.
 
-    The copy has its own output, passes and render result. Sequencer, borders and stereo are off.
-
-    Args:
-        graded: Keep the film exposure and the compositor, but let its File Output nodes write nothing.
-        **render: Settings of the copy's `render`.
+    Sequencer, borders and stereo are off; `render` has further settings. A `graded` copy keeps the film exposure and the
+    compositor, but its File Output nodes write nothing.
     """
     with ExitStack() as stack:
         twin = scene.copy()

@@ -59,13 +59,10 @@ class LightType:
 
 
 LIGHT_TYPES = {
-    each.name: each
-    for each in (
-        LightType("POINT", "shadow_soft_size"),
-        LightType("SPOT", "shadow_soft_size"),
-        LightType("AREA", "size"),
-        LightType("SUN", "angle", "strength", ANGLE, has_position=False),
-    )
+    "POINT": LightType("POINT", "shadow_soft_size"),
+    "SPOT": LightType("SPOT", "shadow_soft_size"),
+    "AREA": LightType("AREA", "size"),
+    "SUN": LightType("SUN", "angle", "strength", ANGLE, has_position=False),
 }
 """Every type, by Blender's name."""
 

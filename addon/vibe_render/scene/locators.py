@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -11,17 +12,37 @@ from bpy.types import Material, Object, Scene, World
 
 from ..core import compat, locks, rendered
 from ..core.journal import Journal
-from ..core.value_slots import DerivedSlot, PropertySlot, ValueSlot, together
+from ..core.value_slots import DerivedSlot, PropertySlot, ValueSlot, same, together
 from . import fog
 from .light_types import type_of
 from .nodes import backgrounds, inputs, layers, light_nodes, trails
 from .nodes.backgrounds import BACKDROP, LIGHT
 from .nodes.inputs import FACTOR, HORIZON, TINT, Inset
 from .nodes.trails import NodeEntry
-from .orbits import OrbitSlot, Pose
+from .orbits import Pose
 from .scene_context import SceneContext
 
 Locator = Callable[[SceneContext, Any], ValueSlot | None]
+
+
+@dataclass
+class _OrbitSlot:
+    """Value slot: a coordinate of a pose, degrees or meters. The slots of one object share its pose."""
+
+    pose: Pose
+    name: str
+
+    @property
+    def locked(self) -> str:
+        return locks.of_pose(self.pose.obj)
+
+    def get(self) -> float:
+        return getattr(self.pose, self.name)
+
+    def set(self, journal: Journal, raw: float) -> None:
+        if not same(raw, self.get()):
+            setattr(self.pose, self.name, raw)
+            self.pose.apply(journal)
 
 
 def orbit(name: str, context: SceneContext, obj: Object) -> ValueSlot | None:
@@ -30,7 +51,7 @@ def orbit(name: str, context: SceneContext, obj: Object) -> ValueSlot | None:
         return None
     if obj not in context.poses:
         context.poses[obj] = Pose.of(obj, context.pivot)
-    return OrbitSlot(context.poses[obj], name)
+    return _OrbitSlot(context.poses[obj], name)
 
 
 def lens(context: SceneContext, obj: Object) -> ValueSlot | None:
@@ -129,7 +150,7 @@ def material_tint(name: str, context: SceneContext, material: Material) -> Value
 
 def _of_all(find: Callable[[], list[NodeEntry]], inset: Inset, name: str, plain: bool = True) -> ValueSlot | None:
     """One slot for an input of the insets on all node inputs that `find` returns; `plain` as for `Inset.slot`."""
-    slots = [inset.slot(lambda number=n: find()[number], name, plain) for n in range(len(find()))]
+    slots = [inset.slot(partial(lambda number: find()[number], n), name, plain) for n in range(len(find()))]
     return together([slot for slot in slots if slot])
 
 

@@ -10,10 +10,9 @@ import numpy as np
 from bpy.types import Object
 from mathutils import Matrix, Vector
 
-from ..core import locks
 from ..core.journal import Journal
 from ..core.schema_import import schema
-from ..core.value_slots import PropertySlot, same
+from ..core.value_slots import PropertySlot
 from .light_types import type_of
 
 
@@ -68,26 +67,3 @@ class Pose:
         else:
             euler = rotation.to_euler(mode, self.obj.rotation_euler)
             PropertySlot(self.obj, "rotation_euler").set(journal, tuple(euler))
-
-
-@dataclass
-class OrbitSlot:
-    """Value slot: one of a pose's three coordinates. The slots of one object share its pose."""
-
-    pose: Pose
-    name: str
-
-    @property
-    def locked(self) -> str:
-        """The reason why the object must stay where it is."""
-        return locks.of_pose(self.pose.obj)
-
-    def get(self) -> float:
-        """Degrees or meters."""
-        return getattr(self.pose, self.name)
-
-    def set(self, journal: Journal, raw: float) -> None:
-        """Moves the object along its orbit."""
-        if not same(raw, self.get()):
-            setattr(self.pose, self.name, raw)
-            self.pose.apply(journal)

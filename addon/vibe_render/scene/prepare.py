@@ -57,7 +57,8 @@ def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> None:
             rendered.set_world(scene, world, journal.set)
         elif rendered.world_users(shown) > 1:  # a copy in place of a world that other scenes use too
             rendered.set_world(scene, journal.copy("worlds", shown), journal.set)
-        _add_camera(journal, scene, low, high)
+        if scene.camera is None:
+            _add_camera(journal, scene, low, high)
         if not (
             rendered.lights(scene)
             or rendered.instanced_lights(scene)
@@ -72,9 +73,7 @@ def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> None:
 
 
 def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> None:
-    """Adds a camera that sees the box between two corners, if the scene has none."""
-    if scene.camera is not None:
-        return
+    """Adds a camera that sees the box between two corners."""
     data = owned.new(journal, "cameras", "Vibe Camera")
     camera = owned.new(journal, "objects", "Vibe Camera", data)
     # The lens angle is that of the image's longer side; all has to fit into the shorter side too.
@@ -88,15 +87,12 @@ def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> No
 
 
 def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vector) -> Object:
-    """Adds one of `schema.added_lights.ADDED_LIGHTS` to a scene, in the collection for added lights.
-
-    The camera does not see its shape. `low` and `high` are the world-space corners of the box that it lights.
-    """
+    """Adds one of the `ADDED_LIGHTS`, in their collection; `low` and `high` are world-space corners of the box that it lights."""
     what = schema.added_lights.ADDED_LIGHTS[name]
     azimuth, elevation, size, brightness = _PLACES[what.part]
     data = owned.new(journal, "lights", name, what.type)
     light = owned.new(journal, "objects", name, data)
-    pivot = (low + high) / 2.0
+    pivot, kind = (low + high) / 2.0, LIGHT_TYPES[what.type]
     front = schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0] if scene.camera else 0.0
     toward = Vector(schema.orbit.direction(front + azimuth, elevation))
     # No wall around the subject may block the light.
@@ -105,7 +101,6 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     hit, wall, *_ = scene.ray_cast(graph, start, toward, distance=max(distance - gap, 1e-3))
     if hit:
         distance = (wall - pivot).length - _CLEAR * (wall - start).length
-    kind = LIGHT_TYPES[what.type]
     setattr(data, kind.extent_property, size * distance if kind.has_position else radians(_SUN))
     data.energy = brightness * schema.radiometry.unit_energy(what.type, distance if kind.has_position else 1.0)
     light.visible_camera = False
@@ -149,23 +144,19 @@ def added_light_distance(low: Vector, high: Vector) -> float:
 
 def _is_lit(scene: Scene) -> bool:
     """True if the world lights the scene."""
-    world = rendered.world(scene)
-    for layer in backgrounds.layers_of_part(world, backgrounds.LIGHT) if world else ():
+    for layer in backgrounds.layers_of_part(rendered.world(scene), backgrounds.LIGHT):
         color, strength = layer.shader.input("Color"), layer.shader.input("Strength")
-        if color is None or strength is None:
-            continue
-        if active_links(color) or active_links(strength):
-            return True
-        if max(color.default_value[:3]) * strength.default_value > _LEAST_LIGHT:
-            return True
+        if color and strength:
+            computed = active_links(color) or active_links(strength)
+            if computed or max(color.default_value[:3]) * strength.default_value > _LEAST_LIGHT:
+                return True
     return False
 
 
 def _add_material(journal: Journal, obj: Object) -> None:
     """Adds a material to an object that has none and may be changed."""
     data = obj.data
-    filled = [slot for slot in obj.material_slots if slot.material]
-    if filled or data.library or data.override_library or not hasattr(data, "materials"):
+    if _materials_of(obj) or data.library or data.override_library or not hasattr(data, "materials"):
         return
     material = owned.new(journal, "materials", f"Vibe {obj.name}", role="material")
     compat.enable_nodes(material)
@@ -198,10 +189,7 @@ def _light_of_surfaces(scene: Scene, place: Vector) -> float:
 
 
 def shared_materials(subject: Sequence[Object]) -> dict[Material, list[Object]]:
-    """The subject's materials that objects outside of it use too, in any scene; each with these objects.
-
-    Materials from a library are left out, because they cannot be changed.
-    """
+    """The subject's editable materials that objects outside of it use too, in any scene; each with these objects."""
     inside, theirs = set(subject), {m for obj in subject for m in _materials_of(obj) if m.is_editable}
     users: dict[Material, list[Object]] = {}
     for obj in bpy.data.objects:

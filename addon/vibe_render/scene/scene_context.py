@@ -90,10 +90,8 @@ def materials(scene: Scene, subject: Sequence[Object], everything: bool = False)
 def bounds(scene: Scene, objects: Iterable[Object]) -> tuple[Vector, Vector]:
     """World-space corners (least, greatest) of the evaluated objects; a box from -1 to 1 if there are none."""
     graph = rendered.depsgraph(scene)
-    corners = []
-    for obj in objects:
-        evaluated = obj.evaluated_get(graph)
-        corners += [evaluated.matrix_world @ Vector(c) for c in evaluated.bound_box]
+    evaluated = [obj.evaluated_get(graph) for obj in objects]
+    corners = [each.matrix_world @ Vector(corner) for each in evaluated for corner in each.bound_box]
     corners = [c for c in corners if all(map(math.isfinite, c))]
     if not corners:
         return Vector((-1.0, -1.0, -1.0)), Vector((1.0, 1.0, 1.0))
@@ -107,12 +105,8 @@ def scene_lengths(context: SceneContext) -> dict[str, float]:
     camera = context.scene.camera
     view = (camera.matrix_world.translation - context.pivot).length if camera else 3.0 * height
     view = max(view, 1e-3)
-    return {
-        "view_distance": view,
-        "per_view_distance": 1.0 / view,
-        "subject_height": height,
-        "per_subject_height": 1.0 / height,
-    }
+    lengths = {"view_distance": view, "per_view_distance": 1.0 / view}
+    return lengths | {"subject_height": height, "per_subject_height": 1.0 / height}
 
 
 def owners(context: SceneContext, group: str) -> list[Owner]:
@@ -121,11 +115,14 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
     if group == "camera":
         return [Owner("", scene.camera)] if scene.camera and scene.camera.type == "CAMERA" else []
     if group == "light":
-        distances = _light_distances(context)
-        return [
-            Owner(o.name_full, o, role, _set_lock(scene, o), light_lengths(distances[o]))
-            for o, role in light_roles(context).items()
-        ]
+        found, distances = [], _light_distances(context)
+        for light, role in light_roles(context).items():
+            # A light that is only in a background set must be left alone.
+            behind = [each for each in rendered.scenes(scene)[1:] if each in light.users_scene]
+            only_there = behind and scene not in light.users_scene
+            lock = f'it is in the background set "{behind[0].name}"' if only_there else ""
+            found.append(Owner(light.name_full, light, role, lock, light_lengths(distances[light])))
+        return found
     if group == "material":
         return [
             Owner(m.name_full, m, role, rendered.override_lock(scene))
@@ -138,12 +135,6 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
         # A box of fog would get the material that overrides all others.
         return [Owner("", scene, locked=rendered.override_lock(scene))]
     return [Owner("", scene)]
-
-
-def _set_lock(scene: Scene, light: Object) -> str:
-    """The reason why a light must be left alone: it is only in a background set. "" for other lights."""
-    behind = [each for each in rendered.scenes(scene)[1:] if each in light.users_scene]
-    return f'it is in the background set "{behind[0].name}"' if behind and scene not in light.users_scene else ""
 
 
 def light_lengths(distance: float) -> dict[str, float]:
@@ -170,10 +161,7 @@ def _light_distances(context: SceneContext) -> dict[Object, float]:
 
 
 def light_roles(context: SceneContext) -> dict[Object, str]:
-    """Assigns roles to the lights: "rim" from behind the subject, the brightest other one "key", the rest "fill".
-
-    After the scene's own lights come those that only instances show, one for each data-block.
-    """
+    """Roles of the lights of `_light_distances`: "rim" from behind the subject, the brightest other one "key", the rest "fill"."""
     distances = _light_distances(context)
     rims = {o for o in rendered.lights(context.scene) if _from_behind(o, context)}
     front = [o for o in distances if o not in rims] or [*distances]

@@ -118,22 +118,15 @@ def cyclorama(scene: Scene, radius: float, height: float, azimuth: float, stuff:
     bend = 0.5 * radius
     start = np.linspace(0.01 * radius, radius - bend, 5)
     # profile of the wall, (P, 2): distance from the center, height
-    wall = np.stack(
-        [
-            np.concatenate([start, radius - bend + bend * np.sin(turn[1:]), [radius]]),
-            np.concatenate([np.zeros(5), bend - bend * np.cos(turn[1:]), [height]]),
-        ],
-        axis=1,
-    )
+    away = np.concatenate([start, radius - bend + bend * np.sin(turn[1:]), [radius]])
+    wall = np.stack([away, np.concatenate([np.zeros(5), bend - bend * np.cos(turn[1:]), [height]])], axis=1)
     flat = np.stack([np.linspace(0.01 * radius, radius, len(wall)), np.zeros(len(wall))], axis=1)
     around = np.arange(0, 360, 5)
     raised = np.clip((np.abs((around - azimuth + 180) % 360 - 180) - 60) / 30, 0, 1)
     raised = (raised**2 * (3 - 2 * raised))[:, None, None]
-    profiles = raised * wall + (1 - raised) * flat  # (A, P, 2)
+    away, up = np.moveaxis(raised * wall + (1 - raised) * flat, -1, 0)  # (A, P) each
     angle = np.radians(around)[:, None]
-    vertices = np.stack(
-        [profiles[..., 0] * np.sin(angle), -profiles[..., 0] * np.cos(angle), profiles[..., 1]], axis=-1
-    )
+    vertices = np.stack([away * np.sin(angle), -away * np.cos(angle), up], axis=-1)
     spoke, ring = np.meshgrid(np.arange(len(around)), np.arange(len(wall) - 1), indexing="ij")
     here, there = spoke * len(wall) + ring, (spoke + 1) % len(around) * len(wall) + ring
     faces = np.stack([here, here + 1, there + 1, there], axis=-1).reshape(-1, 4)
@@ -231,9 +224,8 @@ def build_stage(path: str | Path, kind: str = "cyclorama") -> Scene:
         raise schema.VibeError(f"There is no stage {kind!r}.", f"Use one of: {', '.join(options.STAGES)}.")
     path = Path(path).absolute()
     if path.suffix.lower() not in limits.MESH_FORMATS:
-        raise schema.VibeError(
-            f"{path.name} is not a mesh that can be staged.", f"Use {', '.join(limits.MESH_FORMATS)}."
-        )
+        remedy = f"Use {', '.join(limits.MESH_FORMATS)}."
+        raise schema.VibeError(f"{path.name} is not a mesh that can be staged.", remedy)
     if not path.is_file():
         raise schema.VibeError(f"There is no file {path}.", "Check the path.")
     scene = _empty_scene()
@@ -269,15 +261,10 @@ def build_stage(path: str | Path, kind: str = "cyclorama") -> Scene:
 
 def _import_meshes(path: Path) -> list[Object]:
     """Imports a file and returns its mesh objects; removes its lights and cameras."""
-    importers = {
-        ".obj": bpy.ops.wm.obj_import,
-        ".ply": bpy.ops.wm.ply_import,
-        ".stl": bpy.ops.wm.stl_import,
-        ".glb": bpy.ops.import_scene.gltf,
-        ".gltf": bpy.ops.import_scene.gltf,
-    }
+    kind = path.suffix.lower()[1:]
+    operator = bpy.ops.import_scene.gltf if kind in ("glb", "gltf") else getattr(bpy.ops.wm, f"{kind}_import")
     try:
-        importers[path.suffix.lower()](filepath=str(path))
+        operator(filepath=str(path))
     except RuntimeError as error:
         reason = str(error).strip().splitlines()[-1].removeprefix("Error: ").rstrip(".")
         raise schema.VibeError(f"{path.name} cannot be read: {reason}.", "Export it again.") from error

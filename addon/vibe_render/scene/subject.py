@@ -11,8 +11,7 @@ import numpy as np
 from bpy.types import Object, Scene
 
 from ..core.schema_import import schema
-from .geometry.triangles import SceneGeometry
-from .geometry.visibility import RAYS, VisibleSurfaces
+from .geometry.triangles import RAYS, SceneGeometry, VisibleSurfaces
 
 _PROMINENT = 0.1  # relative to the most prominent object's weight: objects below it are decoration
 _FLAT = 0.35  # most height over width of an object that others stand on
@@ -37,10 +36,7 @@ class SubjectChoice:
 def choose_subject(
     scene: Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces, choice: SubjectChoice
 ) -> np.ndarray:
-    """The objects of the geometry that are the subject: (number of objects,) bool, at least one True.
-
-    Raises VibeError for an unknown name, or if no chosen object is visible to a render.
-    """
+    """The objects of the geometry that are the subject, (N,) bool, at least one True; raises VibeError for a wrong choice."""
     names = {o.name_full for o in named_objects(scene, choice)}
     chosen = np.array([name in names or parent in names for name, parent in geometry.objects])
     if chosen.any():

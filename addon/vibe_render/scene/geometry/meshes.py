@@ -11,8 +11,7 @@ import numpy as np
 from bpy.types import Depsgraph, Material, Mesh, Object, Scene
 
 from ...core import rendered
-from .triangles import PlacedMesh, SceneGeometry, SourceMesh, assembled
-from .visibility import RayCamera
+from .triangles import PlacedMesh, RayCamera, SceneGeometry, SourceMesh, assembled
 
 UvLookup = Callable[[Material], tuple[str, np.ndarray]]
 """For a material: the name of its UV map ("" for the active one), and a 3x3 matrix applied to the UVs."""

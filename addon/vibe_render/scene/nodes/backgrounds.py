@@ -39,10 +39,16 @@ def has_backdrop(world: World | None) -> bool:
 def mixed_backgrounds(world: World | None, part: str = LIGHT) -> list[Layer]:
     """The Backgrounds that are mixed into a part (LIGHT or BACKDROP) of a world; none for a single, plain Background.
 
-    A single Background counts as a mix if nodes compute its strength, or if its color depends on the kind of ray.
+    A single Background counts as a mix if nodes compute its strength, if its color depends on the kind of ray, or if it
+    has a share in a Mix Shader.
     """
     found = layers_of_part(world, part)
-    return found if len(found) > 1 or any(_is_mix(layer) for layer in found) else []
+    if len(found) != 1:
+        return found
+    color, strength = found[0].shader.entry("Color"), found[0].shader.entry("Strength")
+    computed = strength is not None and artists_origin(strength).source is not None
+    by_ray = color is not None and search(color, "ShaderNodeLightPath") is not None
+    return found if computed or by_ray or any(map(_weighs, found[0].sides)) else []
 
 
 def single_background(world: World | None, part: str = LIGHT) -> NodeInGroups | None:
@@ -56,17 +62,6 @@ def mixed_entries(world: World, part: str, name: str) -> list[NodeEntry]:
     layers = mixed_backgrounds(world, part)
     alike = tuple(s for layer in layers if (s := layer.shader.input(name)))
     return trails.distinct(layer.shader.entry(name, alike) for layer in layers)
-
-
-def _is_mix(layer: Layer) -> bool:
-    """True if a Background counts as mixed: a computed strength, a color by kind of ray, or a share in a Mix Shader."""
-    color, strength = layer.shader.entry("Color"), layer.shader.entry("Strength")
-    computed = strength is not None and artists_origin(strength).source is not None
-    return (
-        computed
-        or (color is not None and search(color, "ShaderNodeLightPath") is not None)
-        or any(map(_weighs, layer.sides))
-    )
 
 
 def layers_of_part(world: World | None, part: str) -> list[Layer]:

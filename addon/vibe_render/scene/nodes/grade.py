@@ -83,10 +83,7 @@ def _fill(tree: NodeTree) -> None:
         return build.node("CompositorNodeExposure", Image=color, Exposure=stops).outputs[0]
 
     def to_power(color: NodeSocket, power: NodeSocket) -> NodeSocket:
-        node = build.node(compat.GAMMA_NODE)
-        build.put(node.inputs[0], color)
-        build.put(node.inputs["Gamma"], power)
-        return node.outputs[0]
+        return build.node(compat.GAMMA_NODE, color, Gamma=power).outputs[0]
 
     # bloom
     glare = build.node("CompositorNodeGlare", Image=image, Strength=strength)
@@ -106,7 +103,7 @@ def _fill(tree: NodeTree) -> None:
     color = exposed(to_power(exposed(color, stops), contrast), -stops)
     # saturation, hue and gamma
     luma = build.vector("DOT_PRODUCT", color, LUMA)
-    spread = build.vector("SCALE", build.vector("SUBTRACT", color, luma), scale=saturation)
+    spread = build.vector("SCALE", build.vector("SUBTRACT", color, luma), Scale=saturation)
     color = build.vector("MAXIMUM", build.vector("ADD", luma, spread), black)
     turn = build.math("MULTIPLY_ADD", hue, 0.5 / math.pi, 0.5)
     color = to_power(build.node("CompositorNodeHueSat", Image=color, Hue=turn).outputs[0], gamma)
@@ -117,5 +114,5 @@ def _fill(tree: NodeTree) -> None:
     t = build.math("MULTIPLY_ADD", radius, 1.0 / 0.7, -0.3 / 0.7, clamp=True)
     smooth = build.math("MULTIPLY", build.math("MULTIPLY", t, t), build.math("MULTIPLY_ADD", t, -2.0, 3.0))
     factor = build.math("SUBTRACT", 1.0, build.math("MULTIPLY", smooth, vignette))
-    color = build.vector("SCALE", color, scale=factor)
+    color = build.vector("SCALE", color, Scale=factor)
     build.output_with_alpha(color, image)

@@ -179,7 +179,7 @@ def artists_origin(entry: NodeEntry) -> ValueOrigin:
 def _tinted(build: owned.Builder, color: NodeSocket, tint: NodeSocket, recolor: NodeSocket) -> NodeSocket:
     """(color + Recolor · (luma − color)) · Tint."""
     luma = build.vector("DOT_PRODUCT", color, LUMA)
-    gray = build.vector("SCALE", build.vector("SUBTRACT", luma, color), scale=recolor)
+    gray = build.vector("SCALE", build.vector("SUBTRACT", luma, color), Scale=recolor)
     return build.vector("MULTIPLY", build.vector("ADD", color, gray), tint)
 
 
@@ -191,7 +191,7 @@ def _faded(build: owned.Builder, color: NodeSocket, horizon: NodeSocket, height:
     share = build.math("DIVIDE", *rise, clamp=True)
     # smoothstep: s² (3 - 2 s)
     smooth = build.math("MULTIPLY", build.math("MULTIPLY", share, share), build.math("MULTIPLY_ADD", share, -2.0, 3.0))
-    left = build.vector("SCALE", build.vector("SUBTRACT", _WHITE, horizon), scale=smooth)
+    left = build.vector("SCALE", build.vector("SUBTRACT", _WHITE, horizon), Scale=smooth)
     return build.vector("MULTIPLY", color, build.vector("ADD", horizon, left))
 
 

@@ -10,21 +10,11 @@ from math import prod
 from bpy.types import Material, Node, NodeSocket
 
 from ...core import compat
-from .trails import ALIASES, NodeEntry, NodeInGroups, distinct, resolve, source_output
+from .trails import SHADERS, NodeEntry, NodeInGroups, distinct, resolve, source_output
 
 TRANSPARENT = "ShaderNodeBsdfTransparent"
 BACKGROUND = "ShaderNodeBackground"
 _MIX, _ADD, EMISSION = "ShaderNodeMixShader", "ShaderNodeAddShader", "ShaderNodeEmission"
-_REFLECTIVE = {"ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic", "ShaderNodeBsdfMetallic"}
-_CLEAR = {"ShaderNodeBsdfGlass", "ShaderNodeBsdfRefraction"}
-_SHOWS = {
-    **dict.fromkeys(_REFLECTIVE, 0.5),
-    **dict.fromkeys(_CLEAR, 0.6),
-    "ShaderNodeBsdfTranslucent": 0.9,
-    "ShaderNodeBsdfSheen": 0.3,
-    EMISSION: 0.5,
-}
-"""How visible a shader's own color is, relative to a matte shader: coats and glass show what is around them."""
 _GRAZING = {"Fresnel": 0.1, "Facing": 0.3}
 """The mean share of a mix's second shader where the factor is a Fresnel or Layer Weight output, high only at edges."""
 _PART = 0.3  # of the most prominent shader's share: a shader below it is an accent, no part of the body's color
@@ -79,10 +69,8 @@ class Layer:
 
     @property
     def matter(self) -> str:
-        """The kind of matter. Layers of the same kind can together make the color of a body."""
-        if self.kind in _REFLECTIVE:
-            return "metal"
-        return "glass" if self.kind in _CLEAR else "light" if self.kind == EMISSION else "matte"
+        """The kind of matter: "matte", "metal", "glass" or "light"."""
+        return self.shader.shader.matter
 
 
 def layers(material: Material) -> list[Layer]:
@@ -104,18 +92,15 @@ def behind(socket: NodeSocket, inside: tuple[Node, ...] = (), sides: tuple[MixSi
     elif node.bl_idname == _ADD:
         for entry in node.inputs:
             yield from behind(entry, inside, sides)
-    elif node.bl_idname in ALIASES or node.bl_idname in (TRANSPARENT, BACKGROUND):
+    elif node.bl_idname in SHADERS or node.bl_idname in (TRANSPARENT, BACKGROUND):
         yield Layer(NodeInGroups(node, inside), sides)
 
 
 def by_prominence(material: Material) -> list[Layer]:
-    """The visible shaders, those with the most weight in the visible color first; equal ones in the order from the output.
-
-    No value that a vibe changes affects the order.
-    """
+    """The visible shaders, those with the most weight in the visible color first; no value that a vibe changes affects it."""
     shown = [layer for layer in layers(material) if layer.kind != TRANSPARENT]
     visible = [layer for layer in shown if layer.share > 0.0]
-    return sorted(visible or shown, key=lambda layer: -layer.share * _SHOWS.get(layer.kind, 1.0))
+    return sorted(visible or shown, key=lambda layer: -layer.share * layer.shader.shader.shows)
 
 
 def entry(material: Material, name: str) -> NodeEntry | None:

@@ -29,8 +29,7 @@ def insert_mix(journal: Journal, scene: Scene, colors: Mapping[str, Color]) -> N
     if scene.cycles.use_denoising and not layer.cycles.denoising_store_passes:
         journal.set(layer.cycles, "denoising_store_passes", True)
     layer.update_render_passes()
-    nodes = owned.group_nodes(tree, NAME)
-    source, node = _render_layers(tree, scene), nodes[0] if nodes else None
+    source, node = _render_layers(tree, scene), next(iter(owned.group_nodes(tree, NAME)), None)
     if node is None:
         targets = [link.to_socket for link in source.outputs["Image"].links]
         node = owned.group_node(journal, tree, NAME, _declare, targets[0].node)
@@ -89,9 +88,8 @@ def _render_layers(tree: NodeTree, scene: Scene) -> Node:
         here = node.bl_idname == "CompositorNodeRLayers" and node.scene in (None, scene)
         if here and node.layer == first and node.outputs["Image"].is_linked:
             return node
-    raise schema.VibeError(
-        f'The compositor does not use the image of the view layer "{first}".', "Link it to the output, or use Apply."
-    )
+    message = f'The compositor does not use the image of the view layer "{first}".'
+    raise schema.VibeError(message, "Link it to the output, or use Apply.")
 
 
 def _declare(tree: NodeTree) -> None:
