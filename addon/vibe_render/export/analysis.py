@@ -72,14 +72,10 @@ class SceneAnalysis:
 
 
 def check_scene(scene: Scene) -> None:
-    """Makes names readable, and raises a VibeError if the scene's camera cannot be used.
-
-    Refused are panoramic cameras, objects of another type, and a matrix that is not finite. A scene without a camera is
-    accepted: one will be added.
-    """
+    """Makes names readable, and raises a VibeError if the scene has a camera that cannot be used."""
     names.make_readable()
     camera = scene.camera
-    if camera is None:
+    if camera is None:  # one will be added
         return
     remedy = "Choose a perspective or orthographic camera."
     if camera.type != "CAMERA":
@@ -107,10 +103,7 @@ def data_blocks() -> frozenset[tuple[str, str]]:
 
 
 def analyze(scene: Scene, choice: subject.SubjectChoice, visible_scene: VisibleScene | None = None) -> SceneAnalysis:
-    """Analyzes a scene, by default as it is now, without changing it.
-
-    Raises VibeError without a mesh, a usable camera, a mesh in view, or the chosen subject.
-    """
+    """Analyzes a scene, by default as it is now; raises VibeError without a usable camera, a mesh in view, or the subject."""
     visible_scene = visible_scene or capture(scene).visible_scene()
     geometry, visible = visible_scene.geometry, visible_scene.visible
     if not len(geometry.faces):

@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -58,13 +58,10 @@ class SceneJob:
     folder: Path
     analysis: SceneAnalysis
     instances: dict[str, schema.Instance]  # the scene's parameters, by key
-    # parameters of lights and of a backdrop that are added only if words ask for them
-    standby: dict[str, schema.Instance] = field(default_factory=dict)
-    # notes for the artist: first `view_notes`, then what the engine only approximates
-    warnings: list[str] = field(default_factory=list)
-    # notes for the artist on faults of the camera's view, which no look can cure
-    view_notes: list[str] = field(default_factory=list)
-    filling: str = ""  # the object that fills the image; "" if others are visible
+    standby: dict[str, schema.Instance]  # those of lights and of a backdrop that are added only if words ask for them
+    warnings: list[str]  # notes for the artist: first `view_notes`, then what the engine only approximates
+    view_notes: list[str]  # notes for the artist on faults of the camera's view, which no look can cure
+    filling: str  # the object that fills the image; "" if others are visible
 
     @property
     def before(self) -> dict[str, schema.Instance]:
@@ -132,10 +129,7 @@ def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> Sc
 
 
 def write_sketch(analysis: SceneAnalysis, folder: Path) -> None:
-    """Writes a job folder without textures, world and fog: all that words can refer to.
-
-    The only renders are small ones for lights whose nodes have no plain factor (`bake.mean_light_factor`).
-    """
+    """Writes a job folder without textures, world and fog, almost without renders: all that words can refer to."""
     folder.mkdir(parents=True, exist_ok=True)
     materials = _unmeasured(analysis)
     # Parameters that explain words: positions of lights, emission of materials.

@@ -48,8 +48,6 @@ UNIFORM = {"specular", "specular_tint", "coat_roughness", "sheen"}
 PRINCIPLED = "ShaderNodeBsdfPrincipled"
 COLORS = ("base_color", "emission_color", "specular_tint")
 _TINTED = ("base_color", "emission_color", "emission")  # computed inputs that a parameter multiplies
-_HEAD_ON = 0.04  # reflectance at normal incidence for the default IOR of 1.5 and Specular IOR Level 0.5
-_USUAL_BLEND = 0.5  # assumed for a Layer Weight node's computed Blend; its IOR is 1 / (1 - blend)
 NO_MATERIAL = "(no material)"  # name of the entry for faces without a material
 
 
@@ -178,14 +176,14 @@ class Mixture:
                 values |= {"coat": (min(strongest, 1.0),), "coat_roughness": (roughness,)}
         elif gloss and base.matter == "matte":
             # The dielectric layer that is most like the glossy shader: a weight f of a color c becomes the reflectance f·c
-            # at normal incidence; a Fresnel or Layer Weight node gives an IOR.
+            # at normal incidence, which is 0.04 for a Specular IOR Level of 0.5; a Fresnel or Layer Weight node gives an IOR.
             strongest, tinge, roughness = _gloss(gloss)
             values |= {"roughness": (roughness,), "specular_tint": tinge}
             if node := gloss.sides[-1].grazing:
                 values |= {"specular": (0.5 * strongest,), "ior": (_ior(node),)}
             else:
                 weight = min(max(float(self.share(gloss).mean()), 0.0), 1.0)
-                values["specular"] = (weight * strongest * 0.5 / _HEAD_ON,)
+                values["specular"] = (weight * strongest * 0.5 / 0.04,)
         return values
 
 
@@ -203,8 +201,8 @@ def _ior(node: Node) -> float:
     """The IOR of a Fresnel or Layer Weight node."""
     if node.bl_idname == "ShaderNodeFresnel":
         return float(node.inputs["IOR"].default_value)
-    linked = active_links(node.inputs["Blend"])
-    blend = _USUAL_BLEND if linked else float(node.inputs["Blend"].default_value)
+    entry = node.inputs["Blend"]  # that of a Layer Weight; if it is computed, 0.5 is assumed
+    blend = 0.5 if active_links(entry) else float(entry.default_value)
     return 1.0 / max(1.0 - min(blend, 0.9), 0.1)
 
 
@@ -219,8 +217,7 @@ class ExportedMaterial:
     # values that bindings cannot read: those that stand for other shaders, and means of computed inputs
     values: dict[str, schema.Values] = field(default_factory=dict)
     reason: str = ""  # the reason why those values are locked
-    # approximations, each a sentence without its period
-    notes: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)  # approximations, each a sentence without its period
 
 
 def uv_of(material: Material) -> tuple[str, np.ndarray]:

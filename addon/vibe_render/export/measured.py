@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from typing import Any
 
 import bpy
 import numpy as np
@@ -28,14 +27,8 @@ from . import textures
 from .analysis import SceneAnalysis
 from .materials import COLORS, ExportedMaterial, MeasuredChannel, computed_inputs, export_material, uv_of
 
-_SEEN_ELSEWHERE = ("base_color", "emission_color", "emission", "alpha")
-"""Inputs that matter even for materials outside the camera's view: they set the light sent to other surfaces."""
-_LONGEST = 512  # pixels, longer side of the render of the camera's view
-_SAMPLES = 4
-_FAR_SIDE, _FAR_SAMPLES = 384, 2  # pixels and samples of a render straight on, which only mirrors show
 _GROWN = 4  # pixels by which a map reaches beyond where its material is seen
 _INDEX, _SQUARE = "Vibe Index", "Vibe Square"
-_FLAT = 1e-4  # of the extent: a surface that deviates less from a plane is flat
 _REACH = 3.0  # camera distances from the subject: beyond, the patterns of a plane look too small
 
 
@@ -70,7 +63,8 @@ def measured_materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
         elif request.origin is not None and request.channel != "normal":
             mask = analysis.visible.material == geometry.materials.index(name)
             mean = np.full(3, 0.5, np.float32)
-            if mask.any() or request.channel in _SEEN_ELSEWHERE:
+            # Out of view, only inputs matter that set the light sent to other surfaces.
+            if mask.any() or request.channel in ("base_color", "emission_color", "emission", "alpha"):
                 mean = textures.mean_color(analysis.scene, request.material, request.origin, mask)
             channels[name][request.channel] = MeasuredChannel(mean)
     return {name: export_material(material, channels[name]) for name, material in chosen.items()}
@@ -130,10 +124,8 @@ class PassRequest:
 def bake_passes(
     scene: Scene, requests: Sequence[PassRequest], plane: CapturePlane | None = None
 ) -> dict[tuple[str, str], MeasuredChannel]:
-    """Bakes inputs with one render of the camera's view, or of a plane; by (name of the material, channel).
-
-    Inputs of materials that are not visible, or that come from linked libraries, are left out.
-    """
+    """Bakes visible inputs with one render of the camera's view, or of a plane; by (name of the material, channel)."""
+    # What comes from linked libraries cannot be changed.
     requests = [r for r in requests if not (r.material.library or r.tree.library or r.tree.override_library)]
     if not requests:
         return {}
@@ -142,10 +134,10 @@ def bake_passes(
     channels = sorted({r.channel for r in requests})
     # One AOV output for each tree and channel: materials may share a group, and outputs of the same name add up.
     outputs = {(r.tree.as_pointer(), r.channel): r for r in requests}
-    sides = (_FAR_SIDE, _FAR_SIDE) if plane else (scene.render.resolution_x, scene.render.resolution_y)
-    scale = min(1.0, _LONGEST / max(sides))
+    # A plane, which only mirrors show, gets fewer pixels and samples.
+    sides = (384, 384) if plane else (scene.render.resolution_x, scene.render.resolution_y)
+    scale = min(1.0, 512 / max(sides))
     width, height = (max(16, round(scale * side)) for side in sides)  # Blender refuses fewer
-    frame: dict[str, Any] = {"resolution_x": width, "resolution_y": height, "resolution_percentage": 100}
     with ExitStack() as stack:
         for request in outputs.values():
             _send(stack, request)
@@ -153,10 +145,10 @@ def bake_passes(
             for output, value in ((_INDEX, number), (_SQUARE, number * number)):
                 node = _added(stack, materials[name].node_tree, "OutputAOV")
                 node.aov_name, node.inputs["Value"].default_value = output, value
-        twin = stack.enter_context(copied_scene(scene, **frame, film_transparent=False))
+        twin = stack.enter_context(copied_scene(scene, size=(width, height), film_transparent=False))
         if plane:
             stack.enter_context(straight_on(twin, plane))
-        passes = _render(twin, channels, _FAR_SAMPLES if plane else _SAMPLES)
+        passes = _render(twin, channels, 2 if plane else 4)
     index, square = passes[_INDEX][..., 0], passes[_SQUARE][..., 0]
     # The mean of squares equals the square of the mean only in pixels that show a single material.
     alone = np.abs(square - index * index) < 1e-3 * (1 + square)
@@ -267,8 +259,8 @@ def capture_plane(corners: np.ndarray, pivot: np.ndarray, distance: float) -> Ca
     out = out / max(np.linalg.norm(out), 1e-20)
     points = corners.reshape(-1, 3)
     extent = float(np.ptp(points, axis=0).max())
-    if extent <= 0 or np.abs((points - points[0]) @ out).max() > _FLAT * extent:
-        return None
+    if extent <= 0 or np.abs((points - points[0]) @ out).max() > 1e-4 * extent:
+        return None  # not flat
     helper = np.array([1.0, 0.0, 0.0]) if abs(out[0]) < 0.7 else np.array([0.0, 1.0, 0.0])
     right = helper - out * (helper @ out)
     right /= np.linalg.norm(right)

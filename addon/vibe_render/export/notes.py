@@ -13,11 +13,7 @@ from ..core.schema_import import schema
 from ..scene.nodes import grade
 from .analysis import SceneAnalysis
 
-_NAMED = 3
-_MOST = 5
-
-_FAINT = 2.0**-8  # factor of exposure below which even white in full light renders black
-_WHOLE_PICTURE = 0.98  # part of the image that an object must cover to count as filling it
+_NAMED, _MOST = 3, 5  # materials that are named for a reason, and notes that are shown
 
 
 def notes_by_reason(notes: Mapping[str, Sequence[str]]) -> list[str]:
@@ -45,7 +41,7 @@ def filling(analysis: SceneAnalysis) -> int | None:
     objects, shown = analysis.geometry.objects, analysis.visible.object
     number = int(np.bincount(shown[shown >= 0]).argmax())
     alone = len(objects) < 2 or analysis.is_subject.sum() == len(objects)
-    return None if alone or (shown == number).mean() < _WHOLE_PICTURE else number
+    return None if alone or (shown == number).mean() < 0.98 else number
 
 
 def view_notes(analysis: SceneAnalysis) -> list[str]:
@@ -73,7 +69,7 @@ def check_shows(scene: Scene, filling: str, lit: bool) -> None:
     """
     if grade.cut_off(compat.compositor(scene)):
         why, remedy = "no picture reaches the output of its compositor", "Connect one, or take the compositor out."
-    elif scene.cycles.film_exposure * 2.0**scene.view_settings.exposure < _FAINT:
+    elif scene.cycles.film_exposure * 2.0**scene.view_settings.exposure < 2.0**-8:  # even white in full light is black
         why, remedy = "it is hardly exposed", "Raise Exposure in Render Properties > Film, or in Color Management."
     elif filling:
         why = f'"{filling}" fills the picture, and no light reaches the side that the camera sees'

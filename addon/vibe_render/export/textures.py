@@ -16,7 +16,6 @@ from ..render import bake
 from ..scene.nodes.trails import ValueOrigin, active_links
 
 _LONGEST = 1024  # pixels, longest side of a copied image
-_BAKED = 512  # pixels, side of a texture baked over UVs
 _VIEW = 96  # pixels, longer side of a render for a mean color
 
 # Nodes whose result depends only on their inputs; those of `_TEXTURES` only if their Vector is linked.
@@ -64,7 +63,7 @@ def uv_texture(material: Material, channel: str, origin: ValueOrigin) -> Exporte
         if not _reads_uv_only(source):
             return None
         with bake.emitting(material, origin) as glowing:
-            return ExportedTexture(bake.bake_uvs(glowing, _BAKED))
+            return ExportedTexture(bake.bake_uvs(glowing, 512))
     alpha = channel == "alpha" and source.name == "Alpha"
     image = image_alpha(node.image) if alpha else image_colors(node.image)
     if image is None:
@@ -74,18 +73,14 @@ def uv_texture(material: Material, channel: str, origin: ValueOrigin) -> Exporte
 
 
 def mean_color(scene: Scene, material: Material, origin: ValueOrigin, mask: np.ndarray) -> np.ndarray:
-    """The mean linear color (3,) of an output over the pixels of the camera's image where `mask` (R, R) is true.
-
-    For an image that is read directly, the mean of the whole image. If the mask is empty, the mean over the unit square
-    of the UVs: mirrors and bounced light may still show the material.
-    """
+    """The mean linear color (3,) of an output where `mask` (R, R) of the camera's image is true, or of a whole plain image."""
     assert origin.source
     plain = plain_image(origin.source)
     image = image_colors(plain.image) if plain else None
     if image is not None:
         return image.reshape(-1, 3).mean(0)
     with bake.emitting(material, origin) as glowing:
-        if not mask.any():
+        if not mask.any():  # mirrors and bounced light may still show the material
             return bake.bake_uvs(glowing, _VIEW).mean((0, 1))
         view = bake.bake_view(scene, glowing, _VIEW)
     rows, columns = ((np.arange(len(mask)) + 0.5) / len(mask) * side for side in view.shape[:2])
@@ -104,10 +99,8 @@ def image_colors(image: Image | None) -> np.ndarray | None:
 
 
 def is_encoded_usually(image: Image | None) -> bool:
-    """True if an image's colors are float, data, or in the color space of new images, which is always sRGB.
-
-    Names of color spaces depend on the OCIO configuration. Only Blender can decode all of them, by a render.
-    """
+    """True if an image's colors are float, data, or in the color space of new images, which is always sRGB."""
+    # Names of color spaces depend on the OCIO configuration. Only Blender can decode all of them, by a render.
     if image is None or image.is_float:
         return True
     space = image.colorspace_settings
@@ -150,10 +143,7 @@ def plain_image(source: NodeSocket | None, outputs: tuple[str, ...] = ("Color",)
 
 
 def _coordinates(node: Node) -> tuple[str, np.ndarray] | None:
-    """The UV map ("" for the active one) and 3x3 matrix that a texture node reads; None for other coordinates.
-
-    Mapping nodes count that are of type Point, have constant values, and rotate about Z alone.
-    """
+    """The UV map ("" for the active one) and 3x3 matrix that a texture node reads; None for other coordinates."""
     matrix = np.eye(3)
     links = active_links(node.inputs["Vector"])
     while links:
@@ -168,6 +158,7 @@ def _coordinates(node: Node) -> tuple[str, np.ndarray] | None:
             links = active_links(before.inputs["Vector"])
             entries = [before.inputs[name] for name in ("Location", "Rotation", "Scale")]
             place, turn, size = (entry.default_value for entry in entries)
+            # its values have to be constant, and its rotation about Z alone
             if any(map(active_links, entries)) or turn[0] or turn[1] or not links:
                 return None
             c, s = np.cos(turn[2]), np.sin(turn[2])

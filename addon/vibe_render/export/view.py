@@ -29,10 +29,7 @@ from .analysis import SceneAnalysis
 TABLE_SIZE = 33  # colors along each axis of the table
 TABLE_TOE, TABLE_STOPS = schema.radiometry.TABLE_TOE, schema.radiometry.TABLE_STOPS
 _TABLE_SIDE = math.isqrt(TABLE_SIZE**3 - 1) + 1  # pixels, of a square image with all colors of the table
-_TABLE_TOLERANCE = 0.02  # in units of `_in_stops`
 MOST_INSTANCES = 24  # instances of lights in the prediction, at most
-
-_SEEN_WORLD = 0.05  # part of the image around the subject; a world that fills less counts as not visible
 
 
 def camera_row(analysis: SceneAnalysis) -> dict[str, Any]:
@@ -128,13 +125,10 @@ def film_row(scene: Scene) -> dict[str, Any]:
 
 
 def white_balance(scene: Scene) -> list[list[float]]:
-    """The 3x3 matrix by which the view's white balance multiplies scene-linear colors; empty without white balance.
-
-    It is fitted to a few colors that Blender saves through this white balance and the view "Raw". Empty, too, if the OCIO
-    configuration has no such view.
-    """
+    """The 3x3 matrix by which the view's white balance multiplies scene-linear colors; empty without white balance."""
     if not scene.view_settings.use_white_balance:
         return []
+    # It is fitted to a few colors that Blender saves through this white balance and the view "Raw".
     colors = 0.05 * (1.0 + np.eye(4, 3, dtype=np.float32))  # dark enough to stay below 1 at any balance
     twin = scene.copy()
     image = bpy.data.images.new("Vibe Colors", len(colors), 1, float_buffer=True)
@@ -142,7 +136,7 @@ def white_balance(scene: Scene) -> list[list[float]]:
         plain = {"look": "None", "view_transform": "Raw", "exposure": 0.0, "gamma": 1.0}
         try:
             compat.assign(twin.view_settings, **plain, use_curve_mapping=False)
-        except TypeError:
+        except TypeError:  # the OCIO configuration has no such view
             return []
         compat.assign(twin.render.image_settings, **bake.png("RGB", "16"))
         image.pixels.foreach_set(np.insert(colors, 3, 1.0, axis=1).ravel())
@@ -179,8 +173,7 @@ def color_table(scene: Scene) -> np.ndarray | None:
     # The same colors at other pixels show whether the position matters.
     order = np.random.default_rng(0).permutation(len(colors))
     image = bpy.data.images.new("Vibe Colors", _TABLE_SIDE, _TABLE_SIDE, float_buffer=True, is_data=True)
-    size = {"resolution_x": _TABLE_SIDE, "resolution_y": _TABLE_SIDE, "resolution_percentage": 100}
-    with temporary(image), copied_scene(scene, graded=True, **size) as twin:
+    with temporary(image), copied_scene(scene, graded=True, size=(_TABLE_SIDE, _TABLE_SIDE)) as twin:
         for node in list(_layers(compat.compositor(twin))):
             names = {socket.name for socket in node.outputs if socket.is_linked}
             first = node.scene in (None, twin) and node.layer == rendered.layer(twin).name
@@ -191,7 +184,7 @@ def color_table(scene: Scene) -> np.ndarray | None:
             for link in list(node.outputs["Image"].links):
                 node.id_data.links.new(source.outputs["Image"], link.to_socket)
         straight, mixed = (_in_stops(_composited(twin, image, each)) for each in (colors, colors[order]))
-    if np.abs(straight[order] - mixed).max() > _TABLE_TOLERANCE:
+    if np.abs(straight[order] - mixed).max() > 0.02:
         return None
     return straight[: TABLE_SIZE**3].reshape(TABLE_SIZE, TABLE_SIZE, TABLE_SIZE, 3)
 
@@ -268,7 +261,8 @@ def standby_backdrop(analysis: SceneAnalysis, instances: Mapping[str, schema.Ins
     """The parameters (by key) of a backdrop that the world may get; none if the render does not show the world."""
     scene, shown = analysis.scene, analysis.visible.object
     mine = np.append(analysis.is_subject, False)[shown]
-    world_is_seen = (shown < 0).sum() >= _SEEN_WORLD * max((~mine).sum(), 1)
+    # A world counts as visible if it fills a twentieth of the image around the subject.
+    world_is_seen = (shown < 0).sum() >= 0.05 * max((~mine).sum(), 1)
     if scene.render.film_transparent or not world_is_seen:
         return {}
     return backgrounds.offered_backdrop(rendered.world(scene), instances)

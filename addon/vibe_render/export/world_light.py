@@ -13,10 +13,9 @@ from ..core import compat
 from ..core.journal import Journal
 from ..core.temporary import temporary
 from ..render import bake
-from ..scene.nodes import backgrounds, inputs, trails
+from ..scene.nodes import backgrounds, inputs
 from .textures import image_colors, is_encoded_usually
 
-_HEIGHT, _SAMPLES = 512, 8
 _LIGHT = {"Is Diffuse Ray": 1.0, "Is Reflection Ray": 1.0, "Ray Depth": 1.0, "Diffuse Depth": 1.0}
 """Outputs of a Light Path node for rays from a matte surface to the world; all other outputs are 0."""
 
@@ -34,25 +33,25 @@ def pictures(world: World | None) -> tuple[np.ndarray | None, np.ndarray | None,
     if backgrounds.mixed_backgrounds(world):
         light, seen = _mix(world)
         return light, backdrop if parted else seen, ""
-    image, note = _environment(world, backgrounds.single_background(world))
-    return image, backdrop, note
-
-
-def _environment(world: World, background: trails.NodeInGroups | None) -> tuple[np.ndarray | None, str]:
-    """The image of a single Background, not rotated (None for one color), and a note on what is approximated."""
-    color = background.entry("Color") if background else None
+    single = backgrounds.single_background(world)
+    color = single.entry("Color") if single else None
     origin = inputs.artists_origin(color) if color else None
     if origin is None or origin.source is None:
-        return None, ""
+        return None, backdrop, ""
     node = origin.source.node
     plain = node.bl_idname == "ShaderNodeTexEnvironment" and node.projection == "EQUIRECTANGULAR"
     if plain and is_encoded_usually(node.image) and backgrounds.is_only_turned(world):
         image = image_colors(node.image)
         if image is None:
-            return np.array([[[1.0, 0.0, 1.0]]], np.float32), "the world's image is missing"
-        return image, ""
-    with _plain(world, origin) as twin:
-        return _panorama(twin), ""
+            return np.array([[[1.0, 0.0, 1.0]]], np.float32), backdrop, "the world's image is missing"
+        return image, backdrop, ""
+    # Of any other color, render a copy at strength 1, not rotated: the rotation is a separate parameter.
+    twin, journal = _copy(world), Journal()
+    if turn := backgrounds.rotation_slot(twin):
+        turn.set(journal, 0.0)
+    with temporary(twin, *bake.emit(twin.node_tree, origin, "Background", "World")), ExitStack() as stack:
+        stack.callback(journal.undo)
+        return _panorama(twin), backdrop, ""
 
 
 def _backdrop(world: World) -> np.ndarray | None:
@@ -89,9 +88,9 @@ def _mix(world: World) -> tuple[np.ndarray, np.ndarray | None]:
 
 def _panorama(world: World) -> np.ndarray:
     """A world's image; a single texel if it is the same in all directions."""
-    with bake.empty_scene(2 * _HEIGHT, _HEIGHT) as scene:
+    with bake.empty_scene(1024, 512) as scene:
         scene.world = world
-        picture = bake.bake_panorama(scene, _SAMPLES)
+        picture = bake.bake_panorama(scene, samples=8)
     even = float(np.ptp(picture, axis=(0, 1)).max()) < 1e-5 * float(picture.max())
     return picture[:1, :1] if even else picture
 
@@ -116,15 +115,3 @@ def _untinted(world: World) -> Iterator[tuple[World, list[NodeTree]]]:
         inputs.neutralize(tree)
     with temporary(twin, *trees[1:]):
         yield twin, trees
-
-
-@contextmanager
-def _plain(world: World, origin: trails.ValueOrigin) -> Iterator[World]:
-    """A temporary copy of a world that shows the value of an output, not rotated, at strength 1."""
-    twin = _copy(world)
-    journal = Journal()
-    if turn := backgrounds.rotation_slot(twin):  # the rotation is a separate parameter
-        turn.set(journal, 0.0)
-    with temporary(twin, *bake.emit(twin.node_tree, origin, "Background", "World")), ExitStack() as stack:
-        stack.callback(journal.undo)
-        yield twin

@@ -27,7 +27,6 @@ from ..scene.nodes import light_nodes
 from ..scene.nodes.trails import ValueOrigin, group_output, same_socket
 
 _FACTOR_HEIGHT, _FACTOR_SAMPLES = 32, 64
-_WATTS = 1000.0
 LINEAR = {"media_type": "IMAGE", "file_format": "OPEN_EXR", "color_depth": "32", "color_mode": "RGB"}
 """`image_settings` of a linear EXR, to be set in this order: the later ones are valid only after the earlier ones."""
 LAYERS = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER", "color_depth": "32"}
@@ -180,9 +179,7 @@ def bake_view(scene: Scene, material: Material, size: int) -> np.ndarray:
     """The camera's view with one emitting material on all objects: (H, W, 3), scene-linear; `size` is its longer side."""
     sides = scene.render.resolution_x, scene.render.resolution_y
     width, height = (max(16, round(size * side / max(sides))) for side in sides)  # 16: Blender's minimum
-    with copied_scene(
-        scene, resolution_x=width, resolution_y=height, resolution_percentage=100, film_transparent=False
-    ) as twin:
+    with copied_scene(scene, size=(width, height), film_transparent=False) as twin:
         rendered.set_world(twin, None)
         rendered.layer(twin).material_override = material
         return _render_linear(twin, samples=4)
@@ -229,11 +226,9 @@ def empty_scene(width: int, height: int) -> Iterator[Scene]:
 
 
 def mean_light_factor(light: Object, pivot: Vector) -> tuple[float, float, float]:
-    """The mean factor (red, green, blue) by which a light's nodes (IES, gobos) change its light toward the pivot.
-
-    It is the ratio of two renders of a ball around the light, with and without the nodes. The ball's radius is the
-    distance to the pivot, or 1 for a sun. The color of a Blackbody node is left out.
-    """
+    """The mean factor (red, green, blue) by which a light's nodes (IES, gobos; no Blackbody) change it toward the pivot."""
+    # The ratio of two renders of a ball around the light, with and without the nodes. Its radius is that of the pivot's
+    # distance, or 1 for a sun.
     endless = not type_of(light).has_position
     way = pivot - light.matrix_world.translation
     toward = -light.matrix_world.col[2].xyz if endless else way
@@ -266,7 +261,7 @@ def _lit_ball(light: Object, radius: float) -> Iterator[tuple[Scene, Light]]:
     shape.to_mesh(mesh)
     shape.free()
     lamp, ball = bpy.data.objects.new("Vibe Bake", data), bpy.data.objects.new("Vibe Bake", mesh)
-    data.energy, data.color, data.use_temperature = _WATTS, (1.0, 1.0, 1.0), False
+    data.energy, data.color, data.use_temperature = 1000.0, (1.0, 1.0, 1.0), False
     lamp.visible_camera = ball.visible_shadow = False
     matrix = light.matrix_world.copy()
     matrix.translation = (0.0, 0.0, 0.0)

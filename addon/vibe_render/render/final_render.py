@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
@@ -18,12 +19,6 @@ from ..core.temporary import temporary
 from ..scene.copies import copied_scene
 from . import bake, light_groups
 from .light_groups import LightLayer
-
-_NOISE = 0.05  # noise of a pixel below which adaptive sampling stops; the denoiser removes the rest
-
-_MASK_SAMPLES = 16
-
-_BLACKEST = 0.02  # share of white, as stored: an image without a brighter pixel is black
 
 
 def render_picture(
@@ -47,12 +42,14 @@ def render_picture(
             return []
         layer = rendered.layer(twin)
         layer.cycles.denoising_store_passes = twin.cycles.use_denoising
-        with light_groups.apart(scene, layer) as layers:
+        layers = light_groups.light_layers(scene)
+        own, new = ([each for each in layers if each.own == mine] for mine in (True, False))
+        with light_groups.grouped(layer, [(each.name, each.members) for each in new]) as names:
             bake.render_file(twin, lights, {**bake.LAYERS, "exr_codec": "ZIP"})
         assign(twin.render.image_settings, **bake.png(mode))
         with whole(path) as part:
             bpy.data.images["Render Result"].save_render(str(part), scene=twin)
-    return layers
+    return own + [replace(each, name=name) for name, each in zip(names, new, strict=True)]
 
 
 def render_final(scene: Scene, path: Path) -> None:
@@ -63,17 +60,14 @@ def render_final(scene: Scene, path: Path) -> None:
 
 
 def render_mask(scene: Scene, path: Path, size: int, subject: Iterable[Object]) -> None:
-    """Renders a gray PNG: the share of each pixel that the subject covers, white for all of it.
-
-    Objects in front of the subject hide it; fog and the grade do not. `size` is the longer side in pixels.
-    """
+    """Renders a gray PNG of `size` pixels: the share of each pixel that the subject covers, white for all of it."""
     theirs = {o.name_full for o in subject}
     with ExitStack() as stack:
         twin = stack.enter_context(copied_scene(scene, film_transparent=True))
-        set_up(twin, size, _MASK_SAMPLES, 0)
+        set_up(twin, size, 16, 0)
         assign(twin.cycles, use_denoising=False, max_bounces=0)
         rendered.set_world(twin, None)
-        for thing in scene.objects:
+        for thing in scene.objects:  # objects in front of the subject hide it, fog does not
             holdout = thing.name_full not in theirs and thing.type not in ("LIGHT", "CAMERA")
             hiding = {"hide_render": True} if is_fog(thing) else {"is_holdout": holdout}
             stack.enter_context(changed(thing, **hiding))
@@ -89,7 +83,8 @@ def set_up(twin: Scene, size: int, samples: int, seed: int) -> None:
     width, height = (max(1, round(side * factor)) for side in (render.resolution_x, render.resolution_y))
     assign(render, engine="CYCLES", resolution_x=width, resolution_y=height, resolution_percentage=100)
     assign(cycles, device="CPU", samples=samples, time_limit=0.0, seed=seed, use_animated_seed=False)
-    assign(cycles, use_adaptive_sampling=True, adaptive_threshold=_NOISE, adaptive_min_samples=min(16, samples))
+    # Adaptive sampling leaves some noise, which the denoiser removes.
+    assign(cycles, use_adaptive_sampling=True, adaptive_threshold=0.05, adaptive_min_samples=min(16, samples))
     # FAST saves a fifth of the time without a visible difference, except in fog, where albedo and normals are noisy
     prefilter = "ACCURATE" if any(map(is_fog, twin.objects)) else "FAST"
     denoises = bool(getattr(_cycles, "with_openimagedenoise", False))
@@ -120,5 +115,5 @@ def _save(pixels: np.ndarray, path: Path) -> None:
 
 
 def is_black(picture: Path) -> bool:
-    """True if every pixel of an image is black."""
-    return bool(bake.read_file(picture)[..., :3].max() < _BLACKEST)
+    """True if every pixel of an image is black, or nearly: below 2 % of white, as stored."""
+    return bool(bake.read_file(picture)[..., :3].max() < 0.02)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
@@ -29,7 +29,6 @@ from ..scene.nodes.owned import is_unseen
 from . import bake
 
 MOST = 12  # maximum number of layers for lights: more sliders are hard to use, and each layer takes memory
-_LITTLE = 1e-3  # share of all light: if less than this is in no layer, it counts as a rounding error, not as light
 WORLD, EMISSION, REST = "World", "Emission", "Other Lights"
 
 
@@ -44,11 +43,7 @@ class LightLayer:
 
 
 def light_layers(scene: Scene) -> list[LightLayer]:
-    """The layers of a scene: the artist's light groups, then the other lights, the world and all emitting materials.
-
-    Lights that share their data are in one layer. If this gives more than `MOST` layers of lights, numbered copies
-    ("Bulb", "Bulb.001") share a layer. If there are still more, the faintest lights share one.
-    """
+    """The layers of a scene: the artist's light groups, then the other lights, the world and all emitting materials."""
     layer = rendered.layer(scene)
     layer.update()  # so that objects that were added just now are in it
     world = rendered.world(scene)
@@ -101,6 +96,7 @@ def _glowing(scene: Scene) -> list[Object]:
 
 
 def _few(lights: Sequence[Object]) -> dict[str, list[Object]]:
+    """At most `MOST` groups of lights: numbered copies ("Bulb", "Bulb.001") share one if needed, then the faintest lights."""
     groups = sharing_data(lights)
     if len(groups) <= MOST:
         return groups
@@ -134,16 +130,6 @@ def grouped(layer: ViewLayer, groups: Iterable[tuple[str, Sequence[ID]]]) -> Ite
         yield names
 
 
-@contextmanager
-def apart(scene: Scene, layer: ViewLayer) -> Iterator[list[LightLayer]]:
-    """Gives each light layer a group in a copy's view layer for the block; yields the layers, named as the groups."""
-    layers = light_layers(scene)
-    new = [each for each in layers if not each.own]
-    with grouped(layer, [(each.name, each.members) for each in new]) as names:
-        own = [each for each in layers if each.own]
-        yield own + [replace(each, name=name) for name, each in zip(names, new, strict=True)]
-
-
 class LightMix:
     """The light layers of a render, in memory. If all factors are 1, the mix is the render.
 
@@ -170,7 +156,9 @@ class LightMix:
                 self.layers[name] = _rendered(scene, source, mix.PASS + name, denoised)[..., :3]
         self.rest = whole
         total = np.sum([*self.layers.values(), np.zeros_like(unnamed)], 0)
-        if np.abs(unnamed).sum() < _LITTLE * np.abs(noisy[..., :3]).sum():
+        if (
+            np.abs(unnamed).sum() < 1e-3 * np.abs(noisy[..., :3]).sum()
+        ):  # less is a rounding error, not light in no layer
             # Each layer is denoised alone, so their sum differs a little from the denoised image: scale it to the image.
             share = np.divide(whole[..., :3], total, out=np.ones_like(total), where=total > 1e-6)
             for layer in self.layers.values():
@@ -186,16 +174,13 @@ class LightMix:
         return np.maximum(image, 0.0, out=image)
 
     def write(self, scene: Scene, path: Path, factors: Mapping[str, Sequence[float]]) -> None:
-        """Writes the mix as a PNG, through the scene's compositor and view transform, without a new render.
-
-        Other passes that the compositor uses come from the EXR. A Vibe Light Mix node in it is muted.
-        """
+        """Writes the mix as a PNG, through the scene's compositor and view transform, without a new render."""
         height, width, _ = self.rest.shape
         image = bpy.data.images.new("Vibe Mix", width, height, alpha=True, float_buffer=True, is_data=True)
-        size = {"resolution_x": width, "resolution_y": height, "resolution_percentage": 100}
         journal = Journal()
         passes = bpy.data.images.load(str(self._path))
-        with temporary(image, passes), copied_scene(scene, graded=True, **size) as twin, ExitStack() as stack:
+        blocks = temporary(image, passes)
+        with blocks, copied_scene(scene, graded=True, size=(width, height)) as twin, ExitStack() as stack:
             stack.callback(journal.undo)
             image.pixels.foreach_set(self.mixed(factors).ravel())
             tree = compat.compositor(twin) or compat.start_compositor(journal, twin)
@@ -204,7 +189,7 @@ class LightMix:
 
 
 def _feed(tree: NodeTree, image: Image, passes: Image, first: str) -> None:
-    """Replaces Render Layers nodes: the image of the layer `first` by `image`, other passes by those of `passes`."""
+    """Replaces Render Layers nodes: the image of the layer `first` by `image`, other passes by those of `passes`; mutes a mix."""
     for node in list(tree.nodes):
         if node.type == "GROUP" and node.node_tree:
             node.mute = node.mute or node.node_tree.get(rendered.MARK) == mix.NAME

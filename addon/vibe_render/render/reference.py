@@ -72,8 +72,7 @@ def _save_image(image: Image, folder: Path) -> Path:
     if image.channels < 3:
         rgba[:, :3] = rgba[:, :1]
     path = folder / f"{_NAME}.{'exr' if image.is_float else 'png'}"
-    copy = bpy.data.images.new(_NAME, width, height, alpha=True, float_buffer=image.is_float)
-    with temporary(copy):
+    with temporary(bpy.data.images.new(_NAME, width, height, alpha=True, float_buffer=image.is_float)) as copy:
         copy.alpha_mode = image.alpha_mode
         # Without a color space, numbers are saved unchanged: linear for floats, encoded for bytes.
         copy.colorspace_settings.is_data = True

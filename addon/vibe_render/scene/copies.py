@@ -17,11 +17,13 @@ T = TypeVar("T")
 
 
 @contextmanager
-def copied_scene(scene: Scene, graded: bool = False, **render: Any) -> Iterator[Scene]:
+def copied_scene(
+    scene: Scene, graded: bool = False, size: tuple[int, int] | None = None, **render: Any
+) -> Iterator[Scene]:
     """A copy of the scene that shares its objects, with its own output, passes and render result; removed after the block.
 
-    Sequencer, borders and stereo are off; `render` has further settings. A `graded` copy keeps the film exposure and the
-    compositor, but its File Output nodes write nothing.
+    Sequencer, borders and stereo are off; `size` are pixels, `render` has further settings. A `graded` copy keeps the film
+    exposure and the compositor, but its File Output nodes write nothing.
     """
     with ExitStack() as stack:
         twin = scene.copy()
@@ -37,6 +39,8 @@ def copied_scene(scene: Scene, graded: bool = False, **render: Any) -> Iterator[
             twin.cycles.film_exposure = 1.0
             # Freestyle lines cost time, and crash the engine of `viewer`, which draws nothing.
             render = {"use_freestyle": False, **render}
+        if size:
+            compat.assign(twin.render, resolution_x=size[0], resolution_y=size[1], resolution_percentage=100)
         compat.assign(twin.render, **{"use_sequencer": False, "use_border": False, "use_multiview": False, **render})
         # A coarse importance map for a world without an environment texture: the fine one that Cycles chooses may take a
         # minute for stars of noise.
@@ -55,8 +59,8 @@ def evaluate_render(scene: Scene, read: Callable[[Depsgraph], T]) -> T:
     registers one for the call. Nothing is rendered, and nothing in the file changes.
     """
     results: list[T] = []
-    size: dict[str, Any] = {"resolution_percentage": 100, "resolution_x": 32, "resolution_y": 32}  # 16: least
-    with copied_scene(scene, **size) as twin, viewer(twin, lambda graph: results.append(read(graph))):
+    # Blender refuses fewer than 16 pixels.
+    with copied_scene(scene, size=(32, 32)) as twin, viewer(twin, lambda graph: results.append(read(graph))):
         bpy.ops.render.render(scene=twin.name, layer=rendered.layer(twin).name)
     return results[0]
 

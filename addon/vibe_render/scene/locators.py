@@ -161,10 +161,7 @@ def recolor(context: SceneContext, material: Material) -> ValueSlot | None:
 
 
 def background(name: str, part: str, context: SceneContext, world: World) -> ValueSlot | None:
-    """The color or strength of a part of a world's background, LIGHT or BACKDROP.
-
-    Mixed Backgrounds have a Vibe Factor on each strength. None for a mixed or computed color: it has a `world_tint`.
-    """
+    """The color or strength of a part, LIGHT or BACKDROP, of a world; None for a mixed or computed color: it has a tint."""
     if backgrounds.mixed_backgrounds(world, part):
         strengths = partial(backgrounds.mixed_entries, world, part, "Strength")
         return _of_all(strengths, FACTOR, "Factor") if name == "Strength" else None

@@ -25,9 +25,7 @@ from .nodes import owned
 
 ByKey = dict[str, list[float]]
 VERSION = 1
-_PIECES = 16  # samples between two moments: straight lines between samples are within 1 % of the even steps
 _TOLERANCE = 0.005, 2e-4  # of a value, and of its range: a key this close to a straight line is left out
-_UNCHANGED = 1e-6  # relative to a value: smaller changes are rounding of 32-bit numbers
 _BRIGHT = ("power", "strength", "backdrop_strength", "emission")
 _TURNING = ("azimuth", "rotation")
 
@@ -82,11 +80,7 @@ def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
 
 
 def completed(moments: Sequence[Moment]) -> tuple[ByKey, list[ByKey]]:
-    """The scene's values without the looks, and each look with the keys of all of them.
-
-    A value that a look does not change is that of the scene without the look. A light that a look lacks is off, with its
-    other values from the nearest look (by frame) that has it. Azimuths turn the shorter way from look to look.
-    """
+    """The scene's values without the looks, and each look with the keys of all of them."""
     base: ByKey = {}
     looks: list[ByKey] = [{} for _ in moments]
     for key in dict.fromkeys(key for moment in moments for key in moment.values):
@@ -97,6 +91,7 @@ def completed(moments: Sequence[Moment]) -> tuple[ByKey, list[ByKey]]:
             known = moment.base | moment.values
             if schema.light_links.link_of(key):  # no curve can link a light: it is linked at all frames
                 known = near.values | known
+            # An unchanged value is that of the scene. A light that a look lacks is off, otherwise as in the nearest look.
             value = next((known[origin] for origin in steps.origins(key) if origin in known), near.base[key])
             if last and schema.split_key(key)[2] in _TURNING:  # an equivalent angle, at most half a turn from the last
                 value = [last[0] + (value[0] - last[0] + 180.0) % 360.0 - 180.0]
@@ -106,25 +101,21 @@ def completed(moments: Sequence[Moment]) -> tuple[ByKey, list[ByKey]]:
 
 
 def between(key: str, first: Sequence[float], last: Sequence[float], share: float) -> list[float]:
-    """The value at a share, 0 to 1, of the way from `first` to `last`, in steps that look even; exact at both ends.
-
-    Temperatures are interpolated in mireds, colors in OKLab, brightness in stops, all other values on their parameter's
-    perceptual scale. Azimuths are interpolated in degrees as they are, without a wrap at 360.
-    """
+    """The value at a share, 0 to 1, of the way from `first` to `last`, in steps that look even; exact at both ends."""
     if share in (0.0, 1.0) or list(first) == list(last):
         return list(last if share else first)
     parameter = labels.parameter(key)
-    if parameter.unit == "K":
+    if parameter.unit == "K":  # in mireds
         return [1.0 / _straight(1.0 / first[0], 1.0 / last[0], share)]
     if parameter.kind == "color":
         found = from_oklab(_straight(to_oklab(np.array(first)), to_oklab(np.array(last)), share))
         return [min(float(v), max(1.0, *first, *last)) for v in found]  # OKLab may leave the gamut
     if parameter.name in _BRIGHT:
-        # From or to 0 almost linearly, so that a cross-fade of two lights keeps the brightness.
+        # In stops, but from or to 0 almost linearly, so that a cross-fade of two lights keeps the brightness.
         dim = 0.0 if min(first[0], last[0]) > 0.0 else max(first[0], last[0])
         return [math.exp(_straight(math.log(first[0] + dim), math.log(last[0] + dim), share)) - dim]
     if parameter.name in _TURNING:
-        return [_straight(first[0], last[0], share)]
+        return [_straight(first[0], last[0], share)]  # without a wrap at 360
     return steps.along(key, first, (first, last), share)
 
 
@@ -133,14 +124,11 @@ def _straight(first: Any, last: Any, share: float) -> Any:
 
 
 def _tracks(scene: Scene, moments: Sequence[Moment], base: ByKey, looks: Sequence[ByKey]) -> list[Track]:
-    """The properties that the looks change, with their values by frame.
-
-    Each sampled look is written through the bindings, and the properties that this changes are read back. So lights move
-    on arcs, and every parameter is keyframed as its binding writes it.
-    """
+    """The properties that the looks change, with their values by frame."""
     samples = _samples(moments, looks)
     pivot = Vector(moments[-1].pivot)
-    # By data-block, path and name of a property, its values by frame; the frame None is the scene without looks.
+    # Each sampled look is written through the bindings, and the properties that this changes are read back. So lights
+    # move on arcs. By data-block, path and name of a property, its values by frame; None is the scene without looks.
     found: dict[tuple[int, str, str], dict[int | None, Any]] = {}
     seen: list[int | None] = []
     with snapshot.undone(scene) as journal:
@@ -173,7 +161,7 @@ def _samples(moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[tuple[in
     """Sampled frames from the first moment to the last, each with all values and the pivot."""
     found = [(moments[0].frame, looks[0], moments[0].pivot)]
     for (one, first), (other, last) in pairwise(zip(moments, looks, strict=True)):
-        count = min(other.frame - one.frame, _PIECES)
+        count = min(other.frame - one.frame, 16)  # straight lines between 16 samples are within 1 % of the even steps
         for number in range(1, count + 1):
             frame = one.frame + round(number * (other.frame - one.frame) / count)
             share = (frame - one.frame) / (other.frame - one.frame)
@@ -230,7 +218,7 @@ def _curves(owner: bpy_struct, name: str, values: dict[int | None, Any], frames:
             now *= math.copysign(1.0, before @ now)
     tracks = []
     for index, column in enumerate(rows.T):
-        if np.ptp(column) > _UNCHANGED * max(np.abs(column).max(), 1.0):
+        if np.ptp(column) > 1e-6 * max(np.abs(column).max(), 1.0):  # smaller changes are rounding of 32-bit numbers
             # Keys at the moments, and where straight lines between them would miss a value.
             kept = {every.index(frame) for frame in frames}
             for one, other in pairwise(sorted(kept)):

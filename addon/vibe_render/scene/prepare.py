@@ -37,11 +37,7 @@ _PLACES = {
 distance, and the radiance that it gives to a white surface that faces it."""
 OURS = {"key": "Vibe Key", "fill": "Vibe Fill", "rim": "Vibe Rim"}
 """Role of a light that a scene lacks -> name of the light that is added for it."""
-_SUN = 0.526  # angular diameter of an added sun, degrees
 _LEAST_LIGHT = 0.1  # radiance above which a white surface at the subject counts as lit
-_CLEAR = 0.2  # distance of a light from a wall, in parts of the way from the subject to the wall
-_BACKWARDS = Matrix.Rotation(pi + radians(35.0), 4, "X")
-"""Turns a light away from the subject and down, so that it lights the wall behind it and the floor at the wall."""
 LIGHT_TYPE = "AREA"  # the type of a light that is added for a role
 
 
@@ -95,19 +91,20 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     pivot, kind = (low + high) / 2.0, LIGHT_TYPES[what.type]
     front = schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0] if scene.camera else 0.0
     toward = Vector(schema.orbit.direction(front + azimuth, elevation))
-    # No wall around the subject may block the light.
+    # No wall around the subject may block the light: it keeps a fifth of the way away from one.
     distance, gap = added_light_distance(low, high), 1.01 * (high - low).length / 2.0
     start, graph = pivot + gap * toward, rendered.depsgraph(scene)
     hit, wall, *_ = scene.ray_cast(graph, start, toward, distance=max(distance - gap, 1e-3))
     if hit:
-        distance = (wall - pivot).length - _CLEAR * (wall - start).length
-    setattr(data, kind.extent_property, size * distance if kind.has_position else radians(_SUN))
+        distance = (wall - pivot).length - 0.2 * (wall - start).length
+    setattr(data, kind.extent_property, size * distance if kind.has_position else radians(0.526))
     data.energy = brightness * schema.radiometry.unit_energy(what.type, distance if kind.has_position else 1.0)
     light.visible_camera = False
     # a sun's place has no effect: at the pivot, its card turns with it around the subject
     light.matrix_world = orbit_matrix(pivot, front + azimuth, elevation, 0.0 if what.pattern else distance)
     if what.part == "background" and kind.has_position:
-        light.matrix_world = light.matrix_world @ _BACKWARDS
+        # turned away from the subject and down: it lights the wall behind it, and the floor at the wall
+        light.matrix_world = light.matrix_world @ Matrix.Rotation(pi + radians(35.0), 4, "X")
     collection = owned.find_owned(scene.collection.children, schema.added_lights.COLLECTION)
     if collection is None:
         collection = owned.new(journal, "collections", schema.added_lights.COLLECTION)

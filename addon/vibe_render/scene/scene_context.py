@@ -26,8 +26,7 @@ class Owner:
     thing: Any  # its data-block
     role: str = ""  # "subject" or "surroundings" for materials; "key", "fill" or "rim" for lights
     locked: str = ""  # why none of its values may change
-    # its own lengths, by the names of the schema's REFERENCES
-    lengths: dict[str, float] = field(default_factory=dict)
+    lengths: dict[str, float] = field(default_factory=dict)  # its own, by the names of the schema's REFERENCES
 
 
 @dataclass(frozen=True)
@@ -38,8 +37,7 @@ class SceneContext:
     subject: Sequence[Object]  # the objects that the image is about
     pivot: Vector  # the center of their bounding box, world space, which cameras and lights orbit
     everything: bool = False  # whether materials that the camera does not see count too
-    # poses that have been read, by object; the slots of an object's three coordinates share its pose
-    poses: dict[Object, Any] = field(default_factory=dict)
+    poses: dict[Object, Any] = field(default_factory=dict)  # read ones: the slots of an object share its pose
 
     def __post_init__(self) -> None:
         rendered.layer(self.scene).update()  # matrices and collections of objects that have changed
@@ -62,10 +60,7 @@ def meshes(scene: Scene) -> list[Object]:
 
 
 def materials(scene: Scene, subject: Sequence[Object], everything: bool = False) -> dict[Material, str]:
-    """The materials that the camera sees, on instances too, each with its role: subject or surroundings.
-
-    Materials outside the frame are left out, unless they emit light or `everything` is set.
-    """
+    """The materials that the camera sees (or `everything`), on instances too, each with its role: subject or surroundings."""
     chosen, to_clip = set(subject), None if everything else rendered.frustum(scene)
     of = rendered.layer(scene)
     roles: dict[Material, str] = {}
@@ -81,6 +76,7 @@ def materials(scene: Scene, subject: Sequence[Object], everything: bool = False)
             used[key] = [m for m in rendered.worn(thing, of) if m]
         # Of thousands of instances that have the same materials, one in the frame is enough.
         new = [m for m in used[key] if roles.get(m) not in ("subject", role)]
+        # Outside the frame, only materials that emit light count.
         if new and not (to_clip is None or rendered.in_frame(to_clip, thing, matrix)):
             new = [m for m in new if glow(m) > 0.0]
         roles.update(dict.fromkeys(new, role))
@@ -143,13 +139,11 @@ def light_lengths(distance: float) -> dict[str, float]:
 
 
 def _light_distances(context: SceneContext) -> dict[Object, float]:
-    """Distances of the lights from the pivot, meters; never 0.
-
-    After the scene's own lights come those that only instances show: one for each data-block, at its nearest instance.
-    """
+    """Distances of the lights from the pivot, meters; never 0."""
     distances = {
         o: max((o.matrix_world.translation - context.pivot).length, 1e-3) for o in rendered.lights(context.scene)
     }
+    # After the scene's own lights come those that only instances show: one for each data-block, at its nearest instance.
     here = {o.data for o in distances}
     first: dict[Light, Object] = {}
     for obj, matrix in context.instanced_lights:

@@ -80,12 +80,9 @@ def rollback_on_failure(scene: Scene) -> Iterator[None]:
 
 @contextmanager
 def transaction(scene: Scene) -> Iterator[Journal]:
-    """A journal for changes inside the block: kept in the snapshot, or undone after an exception.
-
-    Vibe Render's keyframes are muted, because they would override the changes.
-    """
+    """A journal for changes inside the block: kept in the snapshot, or undone after an exception."""
     whole = load(scene) if exists(scene) else Journal()  # first: a damaged one raises before any change
-    journal, keyed = Journal(), keyframes.set_aside(scene)
+    journal, keyed = Journal(), keyframes.set_aside(scene)  # the keyframes would override the changes
     try:
         yield journal
     except BaseException:

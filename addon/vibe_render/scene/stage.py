@@ -110,10 +110,7 @@ def floor(scene: Scene, half_size: float, stuff: Material) -> Object:
 
 
 def cyclorama(scene: Scene, radius: float, height: float, azimuth: float, stuff: Material) -> Object:
-    """Adds a round floor that curves up into a wall behind the subject, without a visible edge.
-
-    The wall covers about two thirds of the circle. It is open around `azimuth` (degrees), where the camera may move.
-    """
+    """Adds a round floor that curves up into a wall, without a visible edge; open around `azimuth` (degrees), for the camera."""
     turn = np.linspace(0, math.pi / 2, 17)
     bend = 0.5 * radius
     start = np.linspace(0.01 * radius, radius - bend, 5)
@@ -121,6 +118,7 @@ def cyclorama(scene: Scene, radius: float, height: float, azimuth: float, stuff:
     away = np.concatenate([start, radius - bend + bend * np.sin(turn[1:]), [radius]])
     wall = np.stack([away, np.concatenate([np.zeros(5), bend - bend * np.cos(turn[1:]), [height]])], axis=1)
     flat = np.stack([np.linspace(0.01 * radius, radius, len(wall)), np.zeros(len(wall))], axis=1)
+    # The wall covers about two thirds of the circle: the camera may move in the rest.
     around = np.arange(0, 360, 5)
     raised = np.clip((np.abs((around - azimuth + 180) % 360 - 180) - 60) / 30, 0, 1)
     raised = (raised**2 * (3 - 2 * raised))[:, None, None]

@@ -13,10 +13,6 @@ from bpy.types import Object, Scene
 from ..core.schema_import import schema
 from .geometry.triangles import RAYS, SceneGeometry, VisibleSurfaces
 
-_PROMINENT = 0.1  # relative to the most prominent object's weight: objects below it are decoration
-_FLAT = 0.35  # most height over width of an object that others stand on
-_SLACK = 0.02  # how far a part may stick out of the subject's box, in parts of its longest side
-
 SUBJECT_KEY = "vibe_subject"
 
 
@@ -65,11 +61,7 @@ def named_objects(scene: Scene, choice: SubjectChoice) -> list[Object]:
 
 
 def automatic_subject(scene: Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces) -> np.ndarray:
-    """The prominent objects in view, without their grounds and backdrops: (number of objects,) bool.
-
-    Surroundings are objects that reach three sides of the image or enclose the camera, thin objects at the image's
-    border, and flat ones that carry another object. But objects inside the subject's bounding box are parts of it.
-    """
+    """The prominent objects in view, without their grounds and backdrops: (number of objects,) bool."""
     count = len(geometry.objects)
     seen = surfaces.object >= 0
     # The middle of the image counts most: the weights of the rays are (R, R).
@@ -83,15 +75,16 @@ def automatic_subject(scene: Scene, geometry: SceneGeometry, surfaces: VisibleSu
     borders = np.bincount(shown[shown >= 0], minlength=count)
     eye = np.array(scene.camera.matrix_world.translation)
     enclosing = ((geometry.boxes[:, 0] < eye) & (eye < geometry.boxes[:, 1])).all(1)
+    # Surroundings are objects that reach three sides of the image or enclose the camera, and grounds.
     loose = visible & ~enclosing & (borders < 3)
     apart = loose.copy()  # compares visible objects only: a scene may have thousands
     apart[visible] &= ~_grounds(geometry.boxes[visible], borders[visible])
     if not apart.any():  # a close-up: the object that fills the image is the subject
         apart = weight == weight.max()
-    subject = apart & (weight >= _PROMINENT * weight[apart].max())
+    subject = apart & (weight >= 0.1 * weight[apart].max())  # with less weight, an object is decoration
     # Objects inside the subject's bounding box are parts of it.
     low, high = geometry.boxes[subject, 0].min(0), geometry.boxes[subject, 1].max(0)
-    slack = _SLACK * (high - low).max()
+    slack = 0.02 * (high - low).max()  # a part may stick out a little
     within = ((geometry.boxes[:, 0] >= low - slack) & (geometry.boxes[:, 1] <= high + slack)).all(1)
     return subject | (loose & ~_thin(geometry.boxes) & within)
 
@@ -103,7 +96,7 @@ def _grounds(boxes: np.ndarray, borders: np.ndarray) -> np.ndarray:
     """
     size = boxes[:, 1] - boxes[:, 0]
     widest = np.maximum(size.max(1), 1e-9)
-    low = size[:, 2] < _FLAT * widest
+    low = size[:, 2] < 0.35 * widest  # flat enough that others may stand on it
     slack = 0.05 * widest[:, None]
     middle = boxes.mean(1)
     over = (boxes[:, None, 0, :2] < middle[None, :, :2]) & (middle[None, :, :2] < boxes[:, None, 1, :2])

@@ -16,10 +16,8 @@ from mathutils.bvhtree import BVHTree
 
 from ...core.rendered import FILM
 
-FARTHEST = 1e9  # meters from the origin beyond which squares of areas leave the range of 32-bit floats
 RAYS = 48  # along each side of the image
 _SLACK = 1e-3  # in steps between rays: how far rounding may move a corner
-_BATCH = 1_000_000  # most vertices that are transformed at once for copies of a mesh; limits memory
 
 
 @dataclass(frozen=True)
@@ -32,8 +30,7 @@ class SourceMesh:
     triangles: np.ndarray  # (F, 3) int32, corners
     slot: np.ndarray  # (F,) int32, the number of the material slot
     solid: np.ndarray  # (S,) bool, which slots show a surface
-    # for each slot the UVs that its material's texture reads, (C, 2) float32, and a 3x3 matrix for them; empty
-    # without a UV map
+    # for each slot the UVs that its texture reads, (C, 2) float32, and a 3x3 matrix for them; empty without a UV map
     uvs: list[tuple[np.ndarray, np.ndarray]]
 
 
@@ -45,8 +42,7 @@ class PlacedMesh:
     materials: tuple[str, ...]  # a name for each slot
     matrix: np.ndarray  # (4, 4), to world space
     owner: tuple[str, str]  # name of the object, and of the object that instances it ("" for none)
-    # kinds of rays that pass through it, by Blender's names: "camera", "shadow", …
-    hidden: frozenset[str] = frozenset()
+    hidden: frozenset[str] = frozenset()  # the kinds of rays that pass through it: "camera", "shadow", …
 
 
 @dataclass
@@ -60,8 +56,7 @@ class SceneGeometry:
     material: np.ndarray  # (F,) int32, number in `materials`
     object: np.ndarray  # (F,) int32, number in `objects`
     materials: list[str]  # names; "" for faces without a material
-    # (name, name of the object that instances it, "" for none)
-    objects: list[tuple[str, str]]
+    objects: list[tuple[str, str]]  # name, and name of the object that instances it ("" for none)
     boxes: np.ndarray  # (N, 2, 3), the least and the greatest corner of each object
     hidden: list[frozenset[str]]  # for each object, the kinds of rays that pass through it
     warnings: list[str]  # notes about what was left out, in words for the artist
@@ -139,12 +134,13 @@ def _pieces(copies: list[PlacedMesh]) -> Iterator[_Piece]:
     for number, (layer, matrix) in enumerate(mesh.uvs):
         chosen = slot == number
         uvs[chosen] = layer[corners[chosen]] @ matrix[:2, :2].T + matrix[:2, 2]
-    step = max(1, _BATCH // len(mesh.vertices))
+    step = max(1, 1_000_000 // len(mesh.vertices))  # a million vertices at once: limits memory
     for first in range(0, len(copies), step):
         matrices = np.stack([copy.matrix for copy in copies[first : first + step]])
         mirrored = np.linalg.det(matrices[:, :3, :3]) < 0
         vertices, normals = _place(mesh.vertices, own_normals, matrices, np.where(mirrored, -1.0, 1.0))
-        x, y, z = np.moveaxis(np.abs(vertices) < FARTHEST, -1, 0)  # also false for NaN
+        # Farther away, squares of areas leave the range of 32-bit floats. False for NaN, too.
+        x, y, z = np.moveaxis(np.abs(vertices) < 1e9, -1, 0)
         usable = x & y & z
         vertices[~usable] = 0.0
         points = vertices[:, faces]

@@ -20,7 +20,6 @@ from .layers import BACKGROUND, Layer, MixSide, behind
 from .trails import NodeEntry, NodeInGroups, active_links, resolve, search
 
 LIGHT, BACKDROP = "light", "backdrop"
-_ROTATION = "Vibe Rotation"
 _LEFT = 200.0  # from an added node to the next
 HORIZON_KEY = "world/backdrop_horizon"
 WORLD_OF_BACKDROP = {f"world/backdrop_{name}": f"world/{name}" for name in ("color", "tint", "strength")} | {
@@ -28,7 +27,6 @@ WORLD_OF_BACKDROP = {f"world/backdrop_{name}": f"world/{name}" for name in ("col
 }
 """Parameter of a backdrop -> the world's parameter that it starts from; "" for the horizon, which starts untinted."""
 NO_HORIZON = (1.0, 1.0, 1.0)
-_HIGHEST = 0.6  # height of the horizon in the image, 0 to 1, from which the camera counts as looking down
 
 
 def has_backdrop(world: World | None) -> bool:
@@ -154,7 +152,7 @@ def rotation_slot(world: World) -> ValueSlot | None:
         own_groups(journal, first().inside)
         vector = first().node.inputs["Vector"]
         tree = vector.id_data
-        mapping = journal.node(tree, "ShaderNodeMapping", _ROTATION)
+        mapping = journal.node(tree, "ShaderNodeMapping", "Vibe Rotation")
         owned.dress(journal, tree, mapping, vector.node)
         if links := active_links(vector):
             source = links[0].from_socket
@@ -171,15 +169,12 @@ def rotation_slot(world: World) -> ValueSlot | None:
 
 
 def horizon_height(scene: Scene, world: World | None) -> float:
-    """Height of a world's horizon in the image: 0 at the bottom, 1 at the top, less than 0 below it.
-
-    A backdrop with a Vibe Horizon keeps its height. Otherwise the scene's camera gives it, but for a camera that looks
-    down or has no perspective, it is 0: the backdrop fades from the bottom.
-    """
+    """Height of a world's horizon in the image: 0 at the bottom, 1 at the top, less than 0 below it."""
     seen = single_background(world, BACKDROP)
     color = seen.entry("Color") if seen else None
     if made := HORIZON.of(resolve(color).source) if color else None:
         return made.inputs["Height"].default_value
+    # For a camera that looks down or has no perspective, the backdrop fades from the bottom.
     camera = scene.camera
     if camera is None or camera.type != "CAMERA" or camera.data.type != "PERSP":
         return 0.0
@@ -189,7 +184,7 @@ def horizon_height(scene: Scene, world: World | None) -> float:
         return 0.0
     far = camera.matrix_world.translation + 1e4 * level.normalized()
     height = world_to_camera_view(scene, camera, far).y
-    return max(height, -1.0) if height < _HIGHEST else 0.0
+    return max(height, -1.0) if height < 0.6 else 0.0  # a higher one: the camera looks down
 
 
 def _add_backdrop(journal: Journal, world: World) -> None:
@@ -244,10 +239,7 @@ def with_backdrop(
     instances: Mapping[str, schema.Instance],
     values: Mapping[str, Sequence[float]],
 ) -> dict[str, Sequence[float]]:
-    """Adds a backdrop if values (by key) make it differ from the world; returns the values to write.
-
-    The result has no values of a backdrop that would equal the world, and all values of an added one.
-    """
+    """Adds a backdrop if values (by key) make it differ from the world; returns the values to write, all of them for it."""
     offer = offered_backdrop(world, instances)
     named = [key for key in values if key in offer]
     if world is None or not named:

@@ -20,7 +20,6 @@ from .trails import NodeEntry, ValueOrigin, active_links, resolve
 FindEntry = Callable[[], NodeEntry | None]
 """Finds an input anew each time: once a group is copied, the input is on a node of the copy."""
 
-_VALUE = "Vibe Value"
 _WHITE = (1.0, 1.0, 1.0)
 
 
@@ -44,7 +43,7 @@ class _InputSlot:
         # inputs with the same meaning get a Vibe Value node instead, which starts with the same value.
         if origin.feeds_others:
             tree, node = origin.socket.id_data, origin.socket.node
-            twin = journal.node(tree, node.bl_idname, _VALUE)
+            twin = journal.node(tree, node.bl_idname, "Vibe Value")
             owned.dress(journal, tree, twin, origin.targets[0].node)
             twin.outputs[0].default_value = origin.socket.default_value
             for target in origin.targets:

@@ -17,7 +17,6 @@ BACKGROUND = "ShaderNodeBackground"
 _MIX, _ADD, EMISSION = "ShaderNodeMixShader", "ShaderNodeAddShader", "ShaderNodeEmission"
 _GRAZING = {"Fresnel": 0.1, "Facing": 0.3}
 """The mean share of a mix's second shader where the factor is a Fresnel or Layer Weight output, high only at edges."""
-_PART = 0.3  # of the most prominent shader's share: a shader below it is an accent, no part of the body's color
 _COMPUTED_COLOR, _COMPUTED_STRENGTH = 0.5, 1.0  # assumed for emission that nodes compute
 
 
@@ -104,13 +103,10 @@ def by_prominence(material: Material) -> list[Layer]:
 
 
 def entry(material: Material, name: str) -> NodeEntry | None:
-    """The input that holds a value of a surface, by its name on the Principled BSDF; None without one.
-
-    It is the input of the most prominent shader that has it. So the roughness of a Diffuse BSDF with a glossy coat is the
-    coat's. Emission is that of an Emission node, if there is one.
-    """
+    """The input that holds a value of a surface, by its name on the Principled BSDF; None without one."""
+    # That of the most prominent shader that has it: the roughness of a Diffuse BSDF with a glossy coat is the coat's.
     shown = by_prominence(material)
-    if name.startswith("Emission"):
+    if name.startswith("Emission"):  # an Emission node comes first
         shown.sort(key=lambda layer: layer.kind != EMISSION)
     owners = [layer for layer in shown if layer.shader.input(name)]
     if not owners:
@@ -120,11 +116,11 @@ def entry(material: Material, name: str) -> NodeEntry | None:
 
 
 def body(material: Material) -> list[Layer]:
-    """The shaders that make the color of the material: the most prominent one, and others of its matter (`_PART`)."""
+    """The shaders that make the color of the material: the most prominent one, and others of its matter."""
     shown = [layer for layer in by_prominence(material) if layer.shader.input("Base Color")]
     if not shown:
         return []
-    least, matter = _PART * shown[0].share, shown[0].matter
+    least, matter = 0.3 * shown[0].share, shown[0].matter  # a shader with a smaller share is an accent
     return [layer for layer in shown if layer.matter == matter and layer.share >= least]
 
 

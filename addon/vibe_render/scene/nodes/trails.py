@@ -24,8 +24,7 @@ class SurfaceShader:
     """How a surface shader compares with the Principled BSDF; the defaults are those of the Principled BSDF."""
 
     names: Mapping[str, str] = field(default_factory=dict)  # input of the Principled BSDF -> its own name for it
-    # parameters of the Principled BSDF that stands for it
-    stand_in: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    stand_in: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # parameters that stand for the rest
     matter: str = "matte"  # layers of the same matter can together make the color of a body
     shows: float = 1.0  # how visible its own color is: coats and glass show what is around them
     unlike: Collection[str] = ()  # its inputs with a Principled name and another meaning
@@ -64,8 +63,7 @@ class NodeEntry:
 
     socket: NodeSocket
     inside: tuple[Node, ...] = ()  # the group nodes that lead to its node, from the outermost tree inwards
-    # inputs that have the same meaning, such as the colors of shaders that are mixed
-    alike: tuple[NodeSocket, ...] = ()
+    alike: tuple[NodeSocket, ...] = ()  # inputs that have the same meaning, such as the colors of mixed shaders
 
 
 @dataclass(frozen=True)
@@ -75,8 +73,7 @@ class ValueOrigin:
     socket: NodeSocket  # the socket that holds the value; of a computed one, the input where the trail ends
     source: NodeSocket | None  # the output that computes the value; None where none does
     inside: tuple[Node, ...]  # the group nodes that lead to `socket` and `source`
-    # of a linked value: the inputs with the same meaning that get it, in the tree of its source
-    targets: tuple[NodeSocket, ...] = ()
+    targets: tuple[NodeSocket, ...] = ()  # of a linked value: the inputs with the same meaning that get it
     feeds_others: bool = False  # whether inputs of another meaning get the value too
 
 
