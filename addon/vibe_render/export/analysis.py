@@ -130,10 +130,7 @@ def with_subject_of(analysis: SceneAnalysis, first_shot: SceneAnalysis) -> Scene
     objects = analysis.geometry.objects
     is_subject = np.array([name in names or parent in names for name, parent in objects])
     if not is_subject.any():
-        raise schema.VibeError(
-            f"The subject ({', '.join(sorted(names))}) is hidden at frame {analysis.scene.frame_current}.",
-            "Choose other frames, or name another --subject.",
-        )
-    return replace(
-        analysis, is_subject=is_subject, objects=first_shot.objects, low=first_shot.low, high=first_shot.high
-    )
+        message = f"The subject ({', '.join(sorted(names))}) is hidden at frame {analysis.scene.frame_current}."
+        raise schema.VibeError(message, "Choose other frames, or name another --subject.")
+    low, high = first_shot.low, first_shot.high
+    return replace(analysis, is_subject=is_subject, objects=first_shot.objects, low=low, high=high)

@@ -275,8 +275,7 @@ def _write_textures(
 def _volume(analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]) -> dict[str, Any]:
     domain = fog.fog_domain(analysis.context())
     density = instances.get("volume/density")
+    kind = "box" if density and density.value[0] > 0 else "none"
     if trails.world_volume(rendered.world(analysis.scene)):
         kind = "world"
-    else:
-        kind = "box" if density and density.value[0] > 0 else "none"
     return {"kind": kind, "center": list(domain.center), "half_size": list(domain.half_size), "base": domain.base}

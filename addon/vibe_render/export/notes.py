@@ -51,10 +51,9 @@ def view_notes(analysis: SceneAnalysis) -> list[str]:
     name, parent = analysis.geometry.objects[number]
     thing = next((o for o in analysis.scene.objects if o.name_full == (parent or name)), None)
     if thing is not None and not thing.visible_get(view_layer=rendered.layer(analysis.scene)):
-        raise schema.VibeError(
-            f'"{thing.name}" fills the picture: it is hidden in the viewport, but not in renders.',
-            "Hide it in renders too (the camera icon in the Outliner), or show it in the viewport.",
-        )
+        message = f'"{thing.name}" fills the picture: it is hidden in the viewport, but not in renders.'
+        remedy = "Hide it in renders too (the camera icon in the Outliner), or show it in the viewport."
+        raise schema.VibeError(message, remedy)
     low, high = analysis.geometry.boxes[number]
     eye = np.array(analysis.scene.camera.matrix_world.translation)
     if ((low < eye) & (eye < high)).all():

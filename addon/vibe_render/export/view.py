@@ -248,10 +248,8 @@ def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[
         rendered.layer(scene).update()
         corners = scene_context.bounds(scene, analysis.objects or scene_context.meshes(scene))
         size = prepare.card_size(*corners)
-        rows = [
-            _light_row(obj, known[obj.name].role, pivot) | ({"card": size} if known[obj.name].pattern else {})
-            for obj in added
-        ]
+        cards = {name: {"card": size} for name, light in known.items() if light.pattern}
+        rows = [_light_row(light, known[light.name].role, pivot) | cards.get(light.name, {}) for light in added]
         bound = bindings.instances(scene, analysis.objects, analysis.pivot, ("light",))
         ours = {k: replace(i, role=known[i.owner].role) for k, i in bound.items() if i.owner in names}
     return rows, ours

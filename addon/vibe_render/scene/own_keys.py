@@ -56,9 +56,8 @@ def release(scene: Scene) -> None:
     """Unmutes the curves that `hold` has muted, all keys of each shifted by as much as the look changed its value."""
     if not are_held(scene):
         return
-    newest = {
-        (e["id"], e["path"], held_name(c)): (e, b, c) for e, b, c in snapshot.load(scene).curves("held") if c.mute
-    }
+    held = [row for row in snapshot.load(scene).curves("held") if row[2].mute]
+    newest = {(entry["id"], entry["path"], held_name(curve)): (entry, block, curve) for entry, block, curve in held}
     for entry, block, curve in newest.values():
         with suppress(ValueError, AttributeError):  # the artist has removed what it animates
             was, now = entry["was"], _present(block, curve)

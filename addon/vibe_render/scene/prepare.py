@@ -55,11 +55,8 @@ def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> None:
             rendered.set_world(scene, journal.copy("worlds", shown), journal.set)
         if scene.camera is None:
             _add_camera(journal, scene, low, high)
-        if not (
-            rendered.lights(scene)
-            or rendered.instanced_lights(scene)
-            or _light_of_surfaces(scene, (low + high) / 2.0) > _LEAST_LIGHT
-        ):
+        lights = rendered.lights(scene) or rendered.instanced_lights(scene)
+        if not (lights or _light_of_surfaces(scene, (low + high) / 2.0) > _LEAST_LIGHT):
             key = add_light(journal, scene, "Vibe Key", low, high)
             if _is_lit(scene):
                 key.data.energy = 0.0  # a scene that its world lights keeps its look

@@ -120,10 +120,8 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
             found.append(Owner(light.name_full, light, role, lock, light_lengths(distances[light])))
         return found
     if group == "material":
-        return [
-            Owner(m.name_full, m, role, rendered.override_lock(scene))
-            for m, role in materials(scene, context.subject, context.everything).items()
-        ]
+        roles, lock = materials(scene, context.subject, context.everything), rendered.override_lock(scene)
+        return [Owner(material.name_full, material, role, lock) for material, role in roles.items()]
     world = rendered.world(scene)
     if group == "world":
         return [Owner("", world)] if world else []
@@ -140,9 +138,8 @@ def light_lengths(distance: float) -> dict[str, float]:
 
 def _light_distances(context: SceneContext) -> dict[Object, float]:
     """Distances of the lights from the pivot, meters; never 0."""
-    distances = {
-        o: max((o.matrix_world.translation - context.pivot).length, 1e-3) for o in rendered.lights(context.scene)
-    }
+    own = rendered.lights(context.scene)
+    distances = {light: max((light.matrix_world.translation - context.pivot).length, 1e-3) for light in own}
     # After the scene's own lights come those that only instances show: one for each data-block, at its nearest instance.
     here = {o.data for o in distances}
     first: dict[Light, Object] = {}

@@ -113,11 +113,9 @@ def load(scene: Scene) -> Journal:
     try:
         return stored_journal.load(scene, KEY)
     except stored_journal.Newer as error:
-        raise schema.VibeError(
-            "This scene was vibed by a newer version of Vibe Render.", "Update Vibe Render, then revert."
-        ) from error
+        message = "This scene was vibed by a newer version of Vibe Render."
+        raise schema.VibeError(message, "Update Vibe Render, then revert.") from error
     except stored_journal.Damaged as error:
-        raise schema.VibeError(
-            "What this scene was like before its vibe is damaged in this file.",
-            "Press Keep: the values stay as they are now, and the next vibe starts from them.",
-        ) from error
+        message = "What this scene was like before its vibe is damaged in this file."
+        remedy = "Press Keep: the values stay as they are now, and the next vibe starts from them."
+        raise schema.VibeError(message, remedy) from error
