@@ -126,8 +126,7 @@ def shrink(image: np.ndarray, longest: int) -> np.ndarray:
         return image
     height, width = (max(1, side // step) for side in image.shape[:2])
     tall, wide = min(step, image.shape[0]), min(step, image.shape[1])
-    blocks = image[: height * tall, : width * wide].reshape(height, tall, width, wide, image.shape[2])
-    return blocks.mean((1, 3))
+    return image[: height * tall, : width * wide].reshape(height, tall, width, wide, -1).mean((1, 3))
 
 
 def plain_image(source: NodeSocket | None, outputs: tuple[str, ...] = ("Color",)) -> Node | None:

@@ -65,13 +65,9 @@ def light_rows(analysis: SceneAnalysis) -> list[dict[str, Any]]:
     owners, instanced = {o.data: o for o in reversed(list(roles))}, []
     for obj, matrix in context.instanced_lights:
         owner = owners[obj.data]
-        place = {
-            "name": owner.name_full,
-            "fixed": True,
-            "residual": [*map(list, matrix.to_3x3().normalized())],
-            "position": list(matrix.translation),
-        }
-        instanced.append(_light_row(obj, roles[owner], pivot) | place)
+        row = _light_row(obj, roles[owner], pivot) | {"name": owner.name_full, "fixed": True}
+        row["residual"], row["position"] = [*map(list, matrix.to_3x3().normalized())], list(matrix.translation)
+        instanced.append(row)
     instanced.sort(key=lambda row: (Vector(row["position"]) - pivot).length)
     rows += instanced[:MOST_INSTANCES]
     named = [{name for name in names if name} for names in analysis.geometry.objects]
@@ -246,8 +242,7 @@ def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[
     with snapshot.undone(scene) as journal:
         added = bindings.add_lights(journal, scene, names, analysis.objects)
         rendered.layer(scene).update()
-        corners = scene_context.bounds(scene, analysis.objects or scene_context.meshes(scene))
-        size = prepare.card_size(*corners)
+        size = prepare.card_size(*scene_context.bounds(scene, analysis.objects or scene_context.meshes(scene)))
         cards = {name: {"card": size} for name, light in known.items() if light.pattern}
         rows = [_light_row(light, known[light.name].role, pivot) | cards.get(light.name, {}) for light in added]
         bound = bindings.instances(scene, analysis.objects, analysis.pivot, ("light",))
@@ -260,7 +255,6 @@ def standby_backdrop(analysis: SceneAnalysis, instances: Mapping[str, schema.Ins
     scene, shown = analysis.scene, analysis.visible.object
     mine = np.append(analysis.is_subject, False)[shown]
     # A world counts as visible if it fills a twentieth of the image around the subject.
-    world_is_seen = (shown < 0).sum() >= 0.05 * max((~mine).sum(), 1)
-    if scene.render.film_transparent or not world_is_seen:
+    if scene.render.film_transparent or (shown < 0).sum() < 0.05 * max((~mine).sum(), 1):
         return {}
     return backgrounds.offered_backdrop(rendered.world(scene), instances)

@@ -69,8 +69,7 @@ def render_passes(scene: Scene) -> dict[str, np.ndarray]:
     layer = rendered.layer(scene)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "passes.exr"
-        plain = {**LAYERS, "exr_codec": "NONE", "use_exr_interleave": True}
-        render_file(scene, path, plain, layer=layer.name)
+        render_file(scene, path, {**LAYERS, "exr_codec": "NONE", "use_exr_interleave": True}, layer=layer.name)
         channels = read_exr(path)
     passes: dict[str, dict[str, np.ndarray]] = {}
     for name, values in channels.items():

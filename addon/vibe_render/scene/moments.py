@@ -71,8 +71,7 @@ def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
         for moment, look in zip(moments, looks, strict=True):
             subject = [scene.objects[name] for name in moment.subject if name in scene.objects]
             left |= bindings.write(scene, look, subject, moment.pivot)
-        tracks = _tracks(scene, moments, base, looks) + _cards(scene, moments, looks)
-        notes = keyframes.add(scene, tracks)
+        notes = keyframes.add(scene, _tracks(scene, moments, base, looks) + _cards(scene, moments, looks))
     rows = [asdict(moment) for moment in moments]
     scene[keyframes.MOMENTS] = json.dumps({"version": VERSION, "moments": rows}, ensure_ascii=False)
     scene.frame_set(scene.frame_current)

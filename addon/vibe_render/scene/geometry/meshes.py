@@ -44,8 +44,7 @@ def collect_meshes(depsgraph: Depsgraph, uv_of: UvLookup) -> tuple[list[PlacedMe
             continue
         key = thing.original.as_pointer(), thing.data.as_pointer()
         if key not in known:
-            top = instance.parent or thing
-            if note := rendered.surface_note(top, of):
+            if note := rendered.surface_note(instance.parent or thing, of):
                 warnings[note] = None
             slots = rendered.worn(thing, of)
             names = _names(slots)

@@ -99,8 +99,7 @@ def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
         else:
             low, high = boxes[owner]
             boxes[owner] = np.stack([np.minimum(low, piece.box[0]), np.maximum(high, piece.box[1])])
-        owners = np.full(len(piece.faces), owner, np.int32)
-        rest = piece.normals, piece.uvs, by_slot[piece.slot], owners
+        rest = piece.normals, piece.uvs, by_slot[piece.slot], np.full(len(piece.faces), owner, np.int32)
         parts.append((piece.vertices, piece.faces + count, *rest))
         count += len(piece.vertices)
     vertices, faces, normals, uvs, material, owned = map(np.concatenate, zip(*parts, strict=True))
@@ -174,8 +173,7 @@ def _place(
     """World-space vertices (I, V, 3) and corner normals (I, F, 3, 3) of copies at matrices (I, 4, 4); sign -1 if mirrored."""
     linear = matrices[:, :3, :3]
     with np.errstate(invalid="ignore", over="ignore"):
-        placed = vertices @ linear.transpose(0, 2, 1) + matrices[:, None, :3, 3]
-        places = placed.astype(np.float32)
+        places = (vertices @ linear.transpose(0, 2, 1) + matrices[:, None, :3, 3]).astype(np.float32)
     # Normals transform by the inverse transpose. The cofactor matrix is the inverse transpose times the
     # determinant, and exists for flattened objects too.
     a, b, c = linear.transpose(1, 0, 2)
