@@ -103,7 +103,7 @@ def data_blocks() -> frozenset[tuple[str, str]]:
 
 
 def analyze(scene: Scene, choice: subject.SubjectChoice, visible_scene: VisibleScene | None = None) -> SceneAnalysis:
-    """Analyzes a scene, by default as it is now; raises VibeError without a usable camera, a mesh in view, or the subject."""
+    """Analyzes a scene, by default as it is now; raises VibeError without a camera, a mesh in view, or the subject."""
     visible_scene = visible_scene or capture(scene).visible_scene()
     geometry, visible = visible_scene.geometry, visible_scene.visible
     if not len(geometry.faces):

@@ -175,8 +175,8 @@ class Mixture:
                 strongest, _, roughness = _gloss(coat)
                 values |= {"coat": (min(strongest, 1.0),), "coat_roughness": (roughness,)}
         elif gloss and base.matter == "matte":
-            # The dielectric layer that is most like the glossy shader: a weight f of a color c becomes the reflectance f·c
-            # at normal incidence, which is 0.04 for a Specular IOR Level of 0.5; a Fresnel or Layer Weight node gives an IOR.
+            # The dielectric layer most like the glossy shader: a weight f of a color c becomes the reflectance f·c at normal
+            # incidence (0.04 for a Specular IOR Level of 0.5). A Fresnel or Layer Weight node gives an IOR.
             strongest, tinge, roughness = _gloss(gloss)
             values |= {"roughness": (roughness,), "specular_tint": tinge}
             if node := gloss.sides[-1].grazing:

@@ -73,7 +73,7 @@ def uv_texture(material: Material, channel: str, origin: ValueOrigin) -> Exporte
 
 
 def mean_color(scene: Scene, material: Material, origin: ValueOrigin, mask: np.ndarray) -> np.ndarray:
-    """The mean linear color (3,) of an output where `mask` (R, R) of the camera's image is true, or of a whole plain image."""
+    """The mean linear color (3,) of an output where `mask` (R, R) of the camera's image is true; of a plain image, of all."""
     assert origin.source
     plain = plain_image(origin.source)
     image = image_colors(plain.image) if plain else None

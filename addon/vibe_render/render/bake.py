@@ -39,7 +39,7 @@ def png(mode: str, depth: str = "8") -> dict[str, Any]:
 
 
 def render_file(scene: Scene, path: Path, kind: Mapping[str, Any], **options: str) -> None:
-    """Renders a temporary scene to a file, atomically, with `image_settings` such as `LINEAR`, and options of the operator."""
+    """Renders a temporary scene to a file, atomically, with `image_settings` such as `LINEAR`, and operator options."""
     assign(scene.render.image_settings, **kind)
     assign(scene.render, use_overwrite=True, use_file_extension=True)
     with whole(path) as part:
@@ -65,7 +65,7 @@ def _render_linear(scene: Scene, samples: int) -> np.ndarray:
 
 
 def render_passes(scene: Scene) -> dict[str, np.ndarray]:
-    """Renders a scene; returns the passes (H, W, C) float32 of its first rendered view layer by name, row 0 at the bottom."""
+    """Renders a scene; returns the passes (H, W, C) float32 of its first view layer by name, row 0 at the bottom."""
     layer = rendered.layer(scene)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "passes.exr"

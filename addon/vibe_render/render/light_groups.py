@@ -96,7 +96,7 @@ def _glowing(scene: Scene) -> list[Object]:
 
 
 def _few(lights: Sequence[Object]) -> dict[str, list[Object]]:
-    """At most `MOST` groups of lights: numbered copies ("Bulb", "Bulb.001") share one if needed, then the faintest lights."""
+    """At most `MOST` groups of lights: if needed, numbered copies ("Bulb", "Bulb.001") share one, then the faintest."""
     groups = sharing_data(lights)
     if len(groups) <= MOST:
         return groups
@@ -189,10 +189,10 @@ class LightMix:
 
 
 def _feed(tree: NodeTree, image: Image, passes: Image, first: str) -> None:
-    """Replaces Render Layers nodes: the image of the layer `first` by `image`, other passes by those of `passes`; mutes a mix."""
+    """Replaces Render Layers nodes: the image of the layer `first` by `image`, other passes by those of `passes`."""
     for node in list(tree.nodes):
         if node.type == "GROUP" and node.node_tree:
-            node.mute = node.mute or node.node_tree.get(rendered.MARK) == mix.NAME
+            node.mute = node.mute or node.node_tree.get(rendered.MARK) == mix.NAME  # `image` is mixed already
             _feed(node.node_tree, image, passes, first)
         if node.bl_idname != "CompositorNodeRLayers":
             continue

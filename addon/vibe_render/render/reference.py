@@ -44,7 +44,7 @@ def picture_obstacle(settings: Any) -> str:
 
 
 def picture_path(scene: Scene, folder: Path) -> str:
-    """The path of the reference image, saved to the folder if it is no file yet; "" if none is chosen, VibeError if missing."""
+    """The path of the reference image, saved to the folder if it is no file; "" if none is chosen, VibeError if missing."""
     settings = scene.vibe
     if not picture_name(settings):
         return ""

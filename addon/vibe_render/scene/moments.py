@@ -90,7 +90,7 @@ def completed(moments: Sequence[Moment]) -> tuple[ByKey, list[ByKey]]:
             known = moment.base | moment.values
             if schema.light_links.link_of(key):  # no curve can link a light: it is linked at all frames
                 known = near.values | known
-            # An unchanged value is that of the scene. A light that a look lacks is off, otherwise as in the nearest look.
+            # An unchanged value is the scene's. A light that a look lacks is off, otherwise as in the nearest look.
             value = next((known[origin] for origin in steps.origins(key) if origin in known), near.base[key])
             if last and schema.split_key(key)[2] in _TURNING:  # an equivalent angle, at most half a turn from the last
                 value = [last[0] + (value[0] - last[0] + 180.0) % 360.0 - 180.0]

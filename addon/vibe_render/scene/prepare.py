@@ -80,7 +80,7 @@ def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> No
 
 
 def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vector) -> Object:
-    """Adds one of the `ADDED_LIGHTS`, in their collection; `low` and `high` are world-space corners of the box that it lights."""
+    """Adds one of the `ADDED_LIGHTS`, in their collection; `low` and `high` are the corners of the box that it lights."""
     what = schema.added_lights.ADDED_LIGHTS[name]
     azimuth, elevation, size, brightness = _PLACES[what.part]
     data = owned.new(journal, "lights", name, what.type)

@@ -60,7 +60,7 @@ def meshes(scene: Scene) -> list[Object]:
 
 
 def materials(scene: Scene, subject: Sequence[Object], everything: bool = False) -> dict[Material, str]:
-    """The materials that the camera sees (or `everything`), on instances too, each with its role: subject or surroundings."""
+    """The materials that the camera sees, or `everything`, with their roles: subject or surroundings."""
     chosen, to_clip = set(subject), None if everything else rendered.frustum(scene)
     of = rendered.layer(scene)
     roles: dict[Material, str] = {}
@@ -152,7 +152,7 @@ def _light_distances(context: SceneContext) -> dict[Object, float]:
 
 
 def light_roles(context: SceneContext) -> dict[Object, str]:
-    """Roles of the lights of `_light_distances`: "rim" from behind the subject, the brightest other one "key", the rest "fill"."""
+    """Roles of the lights: "rim" from behind the subject, the brightest other one "key", the rest "fill"."""
     distances = _light_distances(context)
     rims = {o for o in rendered.lights(context.scene) if _from_behind(o, context)}
     front = [o for o in distances if o not in rims] or [*distances]

@@ -110,7 +110,7 @@ def floor(scene: Scene, half_size: float, stuff: Material) -> Object:
 
 
 def cyclorama(scene: Scene, radius: float, height: float, azimuth: float, stuff: Material) -> Object:
-    """Adds a round floor that curves up into a wall, without a visible edge; open around `azimuth` (degrees), for the camera."""
+    """Adds a round floor that curves up into a wall, without a visible edge; open around an azimuth, degrees."""
     turn = np.linspace(0, math.pi / 2, 17)
     bend = 0.5 * radius
     start = np.linspace(0.01 * radius, radius - bend, 5)

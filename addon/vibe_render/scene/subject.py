@@ -32,7 +32,7 @@ class SubjectChoice:
 def choose_subject(
     scene: Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces, choice: SubjectChoice
 ) -> np.ndarray:
-    """The objects of the geometry that are the subject, (N,) bool, at least one True; raises VibeError for a wrong choice."""
+    """(N,) bool: the objects of the geometry that are the subject, at least one; raises VibeError for a wrong choice."""
     names = {o.name_full for o in named_objects(scene, choice)}
     chosen = np.array([name in names or parent in names for name, parent in geometry.objects])
     if chosen.any():

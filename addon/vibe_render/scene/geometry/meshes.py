@@ -106,7 +106,7 @@ def array(collection, attribute: str, shape: tuple[int, ...], kind: type) -> np.
 
 
 def box_geometry(scene: Scene, shown: Collection[Object], camera: RayCamera) -> SceneGeometry:
-    """The sides of the bounding boxes of `shown` objects that face away from a camera: they hide nothing inside or in front."""
+    """The sides of bounding boxes of `shown` objects that face away from a camera: they hide nothing in or before a box."""
     of = rendered.layer(scene)
     known: dict[tuple[int, int], PlacedMesh] = {}
     placed: list[PlacedMesh] = []

@@ -170,7 +170,7 @@ def _pieces(copies: list[PlacedMesh]) -> Iterator[_Piece]:
 def _place(
     vertices: np.ndarray, normals: np.ndarray, matrices: np.ndarray, sign: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """World-space vertices (I, V, 3) and corner normals (I, F, 3, 3) of copies at matrices (I, 4, 4); sign -1 if mirrored."""
+    """Vertices (I, V, 3) and corner normals (I, F, 3, 3) in world space, for matrices (I, 4, 4); sign -1 if mirrored."""
     linear = matrices[:, :3, :3]
     with np.errstate(invalid="ignore", over="ignore"):
         places = (vertices @ linear.transpose(0, 2, 1) + matrices[:, None, :3, 3]).astype(np.float32)

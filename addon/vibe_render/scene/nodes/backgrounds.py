@@ -239,7 +239,7 @@ def with_backdrop(
     instances: Mapping[str, schema.Instance],
     values: Mapping[str, Sequence[float]],
 ) -> dict[str, Sequence[float]]:
-    """Adds a backdrop if values (by key) make it differ from the world; returns the values to write, all of them for it."""
+    """Adds a backdrop if values (by key) make it differ from the world; returns the values to write."""
     offer = offered_backdrop(world, instances)
     named = [key for key in values if key in offer]
     if world is None or not named:
@@ -247,6 +247,6 @@ def with_backdrop(
     future = {key: tuple(values.get(key, instance.value)) for key, instance in {**instances, **offer}.items()}
     future[""] = NO_HORIZON
     if all(labels.same(key, future[WORLD_OF_BACKDROP[key]], future[key]) for key in named):
-        return {key: value for key, value in values.items() if key not in offer}
+        return {key: value for key, value in values.items() if key not in offer}  # without a backdrop
     _add_backdrop(journal, world)
     return {**{key: instance.value for key, instance in offer.items()}, **values}

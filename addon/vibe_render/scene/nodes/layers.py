@@ -96,7 +96,7 @@ def behind(socket: NodeSocket, inside: tuple[Node, ...] = (), sides: tuple[MixSi
 
 
 def by_prominence(material: Material) -> list[Layer]:
-    """The visible shaders, those with the most weight in the visible color first; no value that a vibe changes affects it."""
+    """The visible shaders, those with most weight in the visible color first, whatever the values that a vibe changes."""
     shown = [layer for layer in layers(material) if layer.kind != TRANSPARENT]
     visible = [layer for layer in shown if layer.share > 0.0]
     return sorted(visible or shown, key=lambda layer: -layer.share * layer.shader.shader.shows)
