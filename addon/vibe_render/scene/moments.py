@@ -149,9 +149,10 @@ def _tracks(scene: Scene, moments: Sequence[Moment], base: ByKey, looks: Sequenc
                 values[frame] = PropertySlot(resolve(journal.ids[number], path), name).get()
             seen.append(frame)
         frames = [moment.frame for moment in moments]
-        owners = [resolve(journal.ids[number], path) for number, path, _ in found]
-        rows = zip(owners, found.items(), strict=True)
-        return [track for owner, (key, values) in rows for track in _curves(owner, key[2], values, frames)]
+        tracks = []
+        for (number, path, name), values in found.items():
+            tracks += _curves(resolve(journal.ids[number], path), name, values, frames)
+        return tracks
 
 
 def _samples(moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[tuple[int, ByKey, list[float]]]:
