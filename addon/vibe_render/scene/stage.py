@@ -174,9 +174,9 @@ def _add_demo_objects() -> None:
     _finish(DEMO_SUBJECT, clay)
     bpy.ops.mesh.primitive_cylinder_add(vertices=96, radius=0.5, depth=0.72, location=(0.0, 0.0, 0.36))
     _finish("Plinth", stone, bevel=0.03)
-    bpy.ops.mesh.primitive_torus_add(major_radius=0.32, minor_radius=0.075, major_segments=96, minor_segments=32)
-    ring = bpy.context.object
-    ring.location, ring.rotation_euler = (0.78, -0.5, 0.385), (math.radians(82), 0.0, math.radians(-28))
+    ring = {"major_radius": 0.32, "minor_radius": 0.075, "major_segments": 96, "minor_segments": 32}
+    turn = (math.radians(82), 0.0, math.radians(-28))
+    bpy.ops.mesh.primitive_torus_add(**ring, location=(0.78, -0.5, 0.385), rotation=turn)
     _finish("Ring", brass)
     bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=0.36, location=(-1.05, 0.15, 0.36))
     _finish("Large Ball", enamel)
