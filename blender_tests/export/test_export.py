@@ -239,12 +239,12 @@ def test_a_baked_world_lies_as_the_picture_that_it_was_made_of(stage):
     background = world.node_tree.nodes["Background"]
     background.inputs["Strength"].default_value = 7.0
     world.node_tree.links.new(texture.outputs["Color"], background.inputs["Color"])
-    direct = world_light.pictures(world).light
+    direct = world_light.pictures(world)[0]
     np.testing.assert_allclose(direct, blocks, atol=1e-6)
     gamma = world.node_tree.nodes.new("ShaderNodeGamma")  # not a plain picture any more, but the same
     world.node_tree.links.new(texture.outputs["Color"], gamma.inputs["Color"])
     world.node_tree.links.new(gamma.outputs["Color"], background.inputs["Color"])
-    baked = world_light.pictures(world).light
+    baked = world_light.pictures(world)[0]
     baked = shrink(baked, width)
     assert np.abs(baked - blocks).mean() < 0.03  # the borders of blocks are interpolated
     for other in (baked[::-1], baked[:, ::-1], np.roll(baked, 8, 1)):

@@ -7,7 +7,7 @@ import small_scenes as scenes
 import torch
 from dump import difference, dump
 from vibe_render.export import reading
-from vibe_render.render import anchors, final_render
+from vibe_render.render import anchors, bake, final_render
 from vibe_render.scene import bindings, snapshot
 from vibe_render.scene.subject import SubjectChoice
 
@@ -102,10 +102,10 @@ def test_a_render_that_fails_leaves_the_scene_alone(studio, monkeypatch):
     scene, subject, path = studio
     before = contents()
 
-    def broken(*_):
+    def broken(*_, **__):
         raise MemoryError("no room")
 
-    monkeypatch.setattr(final_render, "render_layers", broken)
+    monkeypatch.setattr(bake, "render_file", broken)
     with pytest.raises(MemoryError):
         anchors.render_anchor(scene, path, TRIED, subject, PIVOT)
     answer = anchors.answer_anchor(scene, path.parent, messages.Anchor(3, TRIED, 48, 4), subject, PIVOT)

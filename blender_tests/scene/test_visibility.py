@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from mathutils import Vector
 from vibe_render.export import analysis
-from vibe_render.scene.geometry import visibility
+from vibe_render.scene.geometry.triangles import camera_rays, ray_camera
 from vibe_render.scene.stage import build_demo
 
 
 def blenders(scene):
     """The object that each ray meets, by Blender's own casting; "" for none."""
-    starts, directions = visibility.camera_rays(visibility.ray_camera(scene), 48)
+    starts, directions = camera_rays(ray_camera(scene), 48)
     graph = bpy.context.evaluated_depsgraph_get()
     lens, ahead = scene.camera.data, -np.array(scene.camera.matrix_world.normalized())[:3, 2]
     names = np.full(starts.shape[:2], "", object)

@@ -11,7 +11,7 @@ from mathutils import Vector
 from mathutils.bvhtree import BVHTree
 from vibe_render.core.schema_import import atomic
 from vibe_render.export.analysis import SceneAnalysis
-from vibe_render.scene.geometry.visibility import camera_rays, ray_camera
+from vibe_render.scene.geometry.triangles import camera_rays, ray_camera
 
 
 def save_camera_hits(analysis: SceneAnalysis, path: Path, count: int) -> None:

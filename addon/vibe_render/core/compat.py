@@ -197,8 +197,9 @@ def copy_groups(tree: NodeTree, frame: int | None = None) -> list[NodeTree]:
     return trees[1:]
 
 
-def own_compositor(journal: Journal, scene: Scene, tree: NodeTree) -> NodeTree:
-    """The scene's compositor tree, or a copy of its own if other scenes use it too."""
+def editable_compositor(journal: Journal, scene: Scene) -> NodeTree:
+    """The scene's compositor tree: a new one without compositing, a copy of its own if other scenes use it too."""
+    tree = compositor(scene) or start_compositor(journal, scene)
     if not COMPOSITOR_IS_GROUP or sum(s.compositing_node_group == tree for s in bpy.data.scenes) < 2:
         return tree
     twin = journal.copy("node_groups", tree)

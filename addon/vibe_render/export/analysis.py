@@ -7,15 +7,16 @@ from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
+from bpy.types import Object, Scene
 from mathutils import Vector
 
 from ..core import names, rendered
 from ..core.rendered import GEOMETRY
 from ..core.schema_import import schema
 from ..scene import copies, subject
-from ..scene.geometry import visibility
+from ..scene.geometry import triangles
 from ..scene.geometry.meshes import collect_meshes
-from ..scene.geometry.triangles import PlacedMesh, SceneGeometry, assembled
+from ..scene.geometry.triangles import PlacedMesh, RayCamera, SceneGeometry, VisibleSurfaces
 from ..scene.scene_context import SceneContext
 from .materials import uv_of
 
@@ -25,7 +26,7 @@ class VisibleScene:
     """A captured scene and what its camera sees of it; holds no reference into Blender's data."""
 
     geometry: SceneGeometry
-    visible: visibility.VisibleSurfaces
+    visible: VisibleSurfaces
     blocks: frozenset[tuple[str, str]]  # kind and name of the objects and materials that the geometry names
 
 
@@ -35,34 +36,28 @@ class SceneCapture:
 
     meshes: list[PlacedMesh]
     warnings: list[str]  # what could not be copied, in words for the artist
-    camera: visibility.RayCamera
+    camera: RayCamera
     blocks: frozenset[tuple[str, str]]  # kind and name of all objects and materials of the file
 
     def visible_scene(self) -> VisibleScene:
         """Computes what the camera sees. Safe in a thread: it reads nothing of Blender's data."""
-        geometry = assembled(self.meshes, self.warnings)
+        geometry = triangles.assembled(self.meshes, self.warnings)
         named = {("object", name) for pair in geometry.objects for name in pair}
         named |= {("material", name) for name in geometry.materials}
-        surfaces = visibility.visible_surfaces(self.camera, geometry)
+        surfaces = triangles.visible_surfaces(self.camera, geometry)
         return VisibleScene(geometry, surfaces, self.blocks & named)
 
 
 @dataclass(frozen=True)
 class SceneAnalysis:
-    """A scene's geometry, visible surfaces and subject, before anything is changed.
+    """A scene's geometry, visible surfaces and subject, before anything is changed."""
 
-    Attributes:
-        is_subject: (number of objects in the geometry,) bool.
-        objects: The subject's objects, including the instancers that make it.
-        low, high: Corners of the subject's bounding box, world space, meters.
-    """
-
-    scene: bpy.types.Scene
+    scene: Scene
     geometry: SceneGeometry
-    visible: visibility.VisibleSurfaces
-    is_subject: np.ndarray
-    objects: tuple[bpy.types.Object, ...]
-    low: tuple[float, float, float]
+    visible: VisibleSurfaces
+    is_subject: np.ndarray  # (number of objects in the geometry,) bool
+    objects: tuple[Object, ...]
+    low: tuple[float, float, float]  # and `high`: corners of the subject's bounding box, world space, meters
     high: tuple[float, float, float]
 
     @property
@@ -76,15 +71,11 @@ class SceneAnalysis:
         return SceneContext(self.scene, self.objects, Vector(self.pivot))
 
 
-def check_scene(scene: bpy.types.Scene) -> None:
-    """Makes names readable, and raises a VibeError if the scene's camera cannot be used.
-
-    Refused are panoramic cameras, objects of another type, and a matrix that is not finite. A scene without a camera is
-    accepted: one will be added.
-    """
+def check_scene(scene: Scene) -> None:
+    """Makes names readable, and raises a VibeError if the scene has a camera that cannot be used."""
     names.make_readable()
     camera = scene.camera
-    if camera is None:
+    if camera is None:  # one will be added
         return
     remedy = "Choose a perspective or orthographic camera."
     if camera.type != "CAMERA":
@@ -96,13 +87,13 @@ def check_scene(scene: bpy.types.Scene) -> None:
         raise schema.VibeError(f"{camera.name} has no usable place: it is not a number.", "Move it back.")
 
 
-def capture(scene: bpy.types.Scene) -> SceneCapture:
+def capture(scene: Scene) -> SceneCapture:
     """Copies what a render of the scene shows; changes only unreadable names. Raises VibeError without a usable camera."""
     if scene.camera is None:
         raise schema.VibeError("The scene has no camera.", "Add one, and aim it at the subject.")
     check_scene(scene)
     meshes, warnings = copies.evaluate_render(scene, lambda depsgraph: collect_meshes(depsgraph, uv_of))
-    return SceneCapture(meshes, warnings, visibility.ray_camera(scene), data_blocks())
+    return SceneCapture(meshes, warnings, triangles.ray_camera(scene), data_blocks())
 
 
 def data_blocks() -> frozenset[tuple[str, str]]:
@@ -111,18 +102,18 @@ def data_blocks() -> frozenset[tuple[str, str]]:
     return frozenset(objects) | {("material", m.name_full) for m in bpy.data.materials}
 
 
-def analyze(
-    scene: bpy.types.Scene, choice: subject.SubjectChoice, visible_scene: VisibleScene | None = None
-) -> SceneAnalysis:
-    """Analyzes a scene without changing it. If `visible_scene` is None, the scene is captured first.
-
-    Raises:
-        VibeError: There is no mesh, no usable camera, no mesh in view, or no subject as chosen.
-    """
+def analyze(scene: Scene, choice: subject.SubjectChoice, visible_scene: VisibleScene | None = None) -> SceneAnalysis:
+    """Analyzes a scene, by default as it is now; raises VibeError without a camera, a mesh in view, or the subject."""
     visible_scene = visible_scene or capture(scene).visible_scene()
     geometry, visible = visible_scene.geometry, visible_scene.visible
     if not len(geometry.faces):
-        raise _no_mesh(scene)
+        full = [s.name for s in bpy.data.scenes if s != scene and any(o.type in GEOMETRY for o in s.objects)]
+        if full:
+            message = f'The scene "{scene.name}" has no mesh that a render shows.'
+            raise schema.VibeError(message, f'Save the file with another scene open: "{full[0]}" has meshes.')
+        excluded = [c.name for c in rendered.layer(scene).layer_collection.children if c.exclude]
+        remedy = f'Include "{excluded[0]}" in the view layer.' if excluded else "Add one, or unhide it for renders."
+        raise schema.VibeError("The scene has no mesh that a render shows.", remedy)
     if (visible.object < 0).all():
         raise schema.VibeError("The camera sees no mesh.", "Point the scene's camera at the subject.")
     is_subject = subject.choose_subject(scene, geometry, visible, choice)
@@ -133,27 +124,13 @@ def analyze(
     return SceneAnalysis(scene, geometry, visible, is_subject, objects, tuple(low.tolist()), tuple(high.tolist()))
 
 
-def _no_mesh(scene: bpy.types.Scene) -> schema.VibeError:
-    """The error for a scene without a visible mesh; names another scene with meshes or an excluded collection, if any."""
-    full = [s.name for s in bpy.data.scenes if s != scene and any(o.type in GEOMETRY for o in s.objects)]
-    if full:
-        message = f'The scene "{scene.name}" has no mesh that a render shows.'
-        return schema.VibeError(message, f'Save the file with another scene open: "{full[0]}" has meshes.')
-    excluded = [c.name for c in rendered.layer(scene).layer_collection.children if c.exclude]
-    remedy = f'Include "{excluded[0]}" in the view layer.' if excluded else "Add one, or unhide it for renders."
-    return schema.VibeError("The scene has no mesh that a render shows.", remedy)
-
-
 def with_subject_of(analysis: SceneAnalysis, first_shot: SceneAnalysis) -> SceneAnalysis:
     """The analysis of a shot with the first shot's subject and pivot; raises VibeError if this subject is hidden."""
     names = {o.name_full for o in first_shot.objects}
     objects = analysis.geometry.objects
     is_subject = np.array([name in names or parent in names for name, parent in objects])
     if not is_subject.any():
-        raise schema.VibeError(
-            f"The subject ({', '.join(sorted(names))}) is hidden at frame {analysis.scene.frame_current}.",
-            "Choose other frames, or name another --subject.",
-        )
-    return replace(
-        analysis, is_subject=is_subject, objects=first_shot.objects, low=first_shot.low, high=first_shot.high
-    )
+        message = f"The subject ({', '.join(sorted(names))}) is hidden at frame {analysis.scene.frame_current}."
+        raise schema.VibeError(message, "Choose other frames, or name another --subject.")
+    low, high = first_shot.low, first_shot.high
+    return replace(analysis, is_subject=is_subject, objects=first_shot.objects, low=low, high=high)

@@ -6,26 +6,23 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import bpy
 import numpy as np
+from bpy.types import Scene
 
 from ..core import names, rendered
 from ..core.schema_import import atomic, labels, schema
 from ..scene import bindings, fog, scene_context
 from ..scene.nodes import backgrounds, mix, trails
-from . import compositing, measured, notes, view, world_light
+from . import measured, notes, view, world_light
 from .analysis import SceneAnalysis
 from .materials import NO_MATERIAL, ExportedMaterial, export_material
 
-_REASON = "it is not a number in Blender"
-
 FORMAT = 1
-_OF_WORDS = ("camera", "light", "material")
-"""Groups of parameters that a sketch needs to explain words: positions of lights, emission of materials."""
 
 
 def _finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, schema.Instance], list[str]]:
@@ -35,7 +32,7 @@ def _finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, sc
         if not all(map(math.isfinite, instance.value)):
             parameter = instance.parameter
             default = (parameter.default * instance.reference,) * parameter.components
-            instance = replace(instance, value=default, locked=instance.locked or _REASON)
+            instance = replace(instance, value=default, locked=instance.locked or "it is not a number in Blender")
             warnings.append(f"{labels.title(key)} is not a number in Blender; the prediction takes {default[0]:g}.")
         finite[key] = instance
     return finite, warnings
@@ -48,9 +45,8 @@ def _finite_content(value: Any, path: str, warnings: list[str]) -> Any:
     if isinstance(value, list | tuple):
         return [_finite_content(item, path, warnings) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
-        warnings.append(
-            f"{path.replace('/', ' › ').replace('_', ' ')} is not a number in Blender; the prediction takes 0."
-        )
+        name = path.replace("/", " › ").replace("_", " ")
+        warnings.append(f"{name} is not a number in Blender; the prediction takes 0.")
         return 0.0
     return value
 
@@ -62,13 +58,10 @@ class SceneJob:
     folder: Path
     analysis: SceneAnalysis
     instances: dict[str, schema.Instance]  # the scene's parameters, by key
-    # parameters of lights and of a backdrop that are added only if words ask for them
-    standby: dict[str, schema.Instance] = field(default_factory=dict)
-    # notes for the artist: first `view_notes`, then what the engine only approximates
-    warnings: list[str] = field(default_factory=list)
-    # notes for the artist on faults of the camera's view, which no look can cure
-    view_notes: list[str] = field(default_factory=list)
-    filling: str = ""  # the object that fills the image; "" if others are visible
+    standby: dict[str, schema.Instance]  # those of lights and of a backdrop that are added only if words ask for them
+    warnings: list[str]  # notes for the artist: first `view_notes`, then what the engine only approximates
+    view_notes: list[str]  # notes for the artist on faults of the camera's view, which no look can cure
+    filling: str  # the object that fills the image; "" if others are visible
 
     @property
     def before(self) -> dict[str, schema.Instance]:
@@ -92,25 +85,22 @@ def copied_values(instances: Mapping[str, schema.Instance], keys: Iterable[str])
 def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> SceneJob:
     """Writes the job folder, `scene.json` last and atomically.
 
-    Args:
-        measure: Whether to export textures and world, which may need renders. A job without them only explains words.
+    Unless `measure`, textures and world, which may need renders, are left out: such a job only explains words.
     """
     folder.mkdir(parents=True, exist_ok=True)
     scene, geometry = analysis.scene, analysis.geometry
     view_notes = notes.view_notes(analysis)
-    bound = bindings.instances(scene, analysis.objects, analysis.pivot)
     materials = measured.measured_materials(analysis) if measure else _unmeasured(analysis)
-    instances, replaced = _finite_instances(_with_materials(bound, analysis, materials))
+    instances, replaced = _instances(analysis, materials)
     light_rows, standby = view.standby_lights(analysis)
     standby |= view.standby_backdrop(analysis, instances)
-    warnings = [
-        names.note(),
-        *view_notes,
-        *notes.notes_by_reason(_material_notes(analysis, materials)),
-        *geometry.warnings,
-    ]
-    table = compositing.color_table(scene)
-    warnings += [*rendered.image_notes(scene), *mix.mix_notes(scene), *view.light_notes(scene), *replaced]
+    by_reason = notes.notes_by_reason(_material_notes(analysis, materials))
+    warnings = [names.note(), *view_notes, *by_reason, *geometry.warnings]
+    table = view.color_table(scene)
+    warnings += rendered.image_notes(scene)
+    if any(color != (1.0, 1.0, 1.0) for color in mix.read_mix(scene).values()):
+        warnings.append("The compositor's light mix is left out of the prediction. Apply it in Light Mix instead.")
+    warnings += [*view.light_notes(scene), *replaced]
     if table is None and (tree := rendered.changing_compositor(scene)):
         warnings.append(
             f'The compositor "{tree.name}" changes the image after the render. The prediction and the search leave it '
@@ -121,10 +111,7 @@ def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> Sc
     unseen = _finite_instances({key: i for key, i in every.items() if i.owner in {*geometry.materials}})[0]
     world, note = _write_world(scene, folder) if measure else ({"kind": "color"}, "")
     content = _content(analysis, materials, instances, folder) | {
-        "standby": {
-            "lights": light_rows,
-            "parameters": {key: _parameter(instance) for key, instance in standby.items()},
-        },
+        "standby": {"lights": light_rows, "parameters": {key: _parameter(i) for key, i in standby.items()}},
         "world": world,
         "volume": _volume(analysis, instances),
         "unseen": {key: _parameter(i) for key, i in unseen.items() if key not in instances},
@@ -142,14 +129,11 @@ def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> Sc
 
 
 def write_sketch(analysis: SceneAnalysis, folder: Path) -> None:
-    """Writes a job folder without textures, world and fog: all that words can refer to.
-
-    The only renders are small ones for lights whose nodes have no plain factor (`bake.mean_light_factor`).
-    """
+    """Writes a job folder without textures, world and fog, almost without renders: all that words can refer to."""
     folder.mkdir(parents=True, exist_ok=True)
-    bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot, _OF_WORDS)
     materials = _unmeasured(analysis)
-    instances = _finite_instances(_with_materials(bound, analysis, materials))[0]
+    # Parameters that explain words: positions of lights, emission of materials.
+    instances = _instances(analysis, materials, ("camera", "light", "material"))[0]
     content = _content(analysis, materials, instances, folder) | {
         "world": {"kind": "color"},
         "volume": {"kind": "none", "center": analysis.pivot, "half_size": (1.0, 1.0, 1.0), "base": 0.0},
@@ -201,20 +185,20 @@ def _write(content: dict[str, Any], analysis: SceneAnalysis, folder: Path, warni
     atomic.write_text(folder / "scene.json", json.dumps(sound, indent=1, allow_nan=False))
 
 
-def _write_world(scene: bpy.types.Scene, folder: Path) -> tuple[dict[str, Any], str]:
+def _write_world(scene: Scene, folder: Path) -> tuple[dict[str, Any], str]:
     """Writes the world's images; returns its entry in scene.json, and a note on what is approximated ("" for none)."""
     world = rendered.world(scene)
-    pictures = world_light.pictures(world)
+    light, backdrop, note = world_light.pictures(world)
     row: dict[str, Any] = {
-        "kind": "color" if pictures.light is None else "environment",
+        "kind": "color" if light is None else "environment",
         "hidden": rendered.unlit_by(world),
         "horizon": backgrounds.horizon_height(scene, world),
     }
-    for name, image in (("image", pictures.light), ("backdrop", pictures.backdrop)):
+    for name, image in (("image", light), ("backdrop", backdrop)):
         if image is not None:
             row[name] = f"world_{name}.npy"
             np.save(folder / row[name], image.astype(np.float32))
-    return row, pictures.note
+    return row, note
 
 
 def _material_notes(analysis: SceneAnalysis, materials: Mapping[str, ExportedMaterial]) -> dict[str, list[str]]:
@@ -228,9 +212,8 @@ def _material_notes(analysis: SceneAnalysis, materials: Mapping[str, ExportedMat
 
 def read_parameters(analysis: SceneAnalysis) -> dict[str, schema.Instance]:
     """The parameters of the scene and of a possible backdrop, by key; unlike `write_job`, renders and writes nothing."""
-    bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot)
-    finite = _finite_instances(_with_materials(bound, analysis, {}))[0]
-    return {**finite, **view.standby_backdrop(analysis, finite)}
+    instances = _instances(analysis, {})[0]
+    return {**instances, **view.standby_backdrop(analysis, instances)}
 
 
 def _roles(analysis: SceneAnalysis) -> dict[str, str]:
@@ -243,11 +226,12 @@ def _roles(analysis: SceneAnalysis) -> dict[str, str]:
     }
 
 
-def _with_materials(
-    bound: Mapping[str, schema.Instance], analysis: SceneAnalysis, materials: Mapping[str, ExportedMaterial]
-) -> dict[str, schema.Instance]:
-    """The bound parameters, with roles of materials from the analysis, and locked ones for values only the export knows."""
+def _instances(
+    analysis: SceneAnalysis, materials: Mapping[str, ExportedMaterial], groups: Sequence[str] = schema.GROUPS
+) -> tuple[dict[str, schema.Instance], list[str]]:
+    """The scene's parameters, and notes, as from `_finite_instances`; locked ones for values that only the export knows."""
     roles = _roles(analysis)
+    bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot, groups)
     instances = {
         key: replace(i, role=roles.get(i.owner, i.role)) if i.parameter.group == "material" else i
         for key, i in bound.items()
@@ -261,7 +245,7 @@ def _with_materials(
                 reason = before.locked if before else exported.reason
                 instance = schema.Instance(parameter, owner, value, role=roles[owner], locked=reason)
                 instances[instance.key] = instance
-    return instances
+    return _finite_instances(instances)
 
 
 def _parameter(instance: schema.Instance) -> dict[str, Any]:
@@ -281,24 +265,17 @@ def _write_textures(
             (folder / "textures").mkdir(exist_ok=True)
             name = f"textures/{len(rows)}_{channel}.npy"
             np.save(folder / name, picture.image.astype(np.float32))
-            pictures[channel] = {
-                "image": name,
-                "extension": picture.extension,
-                "window": picture.window,
-                "plane": picture.plane,
-            }
+            place = {"extension": picture.extension, "window": picture.window, "plane": picture.plane}
+            pictures[channel] = {"image": name, **place}
         row["texture"], row["maps"] = pictures.pop("base_color", None), pictures
         rows.append(row)
     return rows
 
 
 def _volume(analysis: SceneAnalysis, instances: Mapping[str, schema.Instance]) -> dict[str, Any]:
-    scene = analysis.scene
     domain = fog.fog_domain(analysis.context())
     density = instances.get("volume/density")
-    world = rendered.world(scene)
-    if world and trails.world_volume(world):
+    kind = "box" if density and density.value[0] > 0 else "none"
+    if trails.world_volume(rendered.world(analysis.scene)):
         kind = "world"
-    else:
-        kind = "box" if density and density.value[0] > 0 else "none"
     return {"kind": kind, "center": list(domain.center), "half_size": list(domain.half_size), "base": domain.base}

@@ -11,10 +11,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from typing import Any
 
 import bpy
 import numpy as np
+from bpy.types import Material, Node, NodeTree, Scene
 from mathutils import Matrix
 
 from ..core import rendered
@@ -27,14 +27,8 @@ from . import textures
 from .analysis import SceneAnalysis
 from .materials import COLORS, ExportedMaterial, MeasuredChannel, computed_inputs, export_material, uv_of
 
-_SEEN_ELSEWHERE = ("base_color", "emission_color", "emission", "alpha")
-"""Inputs that matter even for materials outside the camera's view: they set the light sent to other surfaces."""
-_LONGEST = 512  # pixels, longer side of the render of the camera's view
-_SAMPLES = 4
-_FAR_SIDE, _FAR_SAMPLES = 384, 2  # pixels and samples of a render straight on, which only mirrors show
 _GROWN = 4  # pixels by which a map reaches beyond where its material is seen
 _INDEX, _SQUARE = "Vibe Index", "Vibe Square"
-_FLAT = 1e-4  # of the extent: a surface that deviates less from a plane is flat
 _REACH = 3.0  # camera distances from the subject: beyond, the patterns of a plane look too small
 
 
@@ -69,14 +63,15 @@ def measured_materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
         elif request.origin is not None and request.channel != "normal":
             mask = analysis.visible.material == geometry.materials.index(name)
             mean = np.full(3, 0.5, np.float32)
-            if mask.any() or request.channel in _SEEN_ELSEWHERE:
+            # Out of view, only inputs matter that set the light sent to other surfaces.
+            if mask.any() or request.channel in ("base_color", "emission_color", "emission", "alpha"):
                 mean = textures.mean_color(analysis.scene, request.material, request.origin, mask)
             channels[name][request.channel] = MeasuredChannel(mean)
     return {name: export_material(material, channels[name]) for name, material in chosen.items()}
 
 
 def _over_uvs(
-    material: bpy.types.Material, channel: str, origin: ValueOrigin | None, uvs: np.ndarray
+    material: Material, channel: str, origin: ValueOrigin | None, uvs: np.ndarray
 ) -> textures.ExportedTexture | None:
     """The texture of a base color or alpha over the material's UV map; None if the input has to be rendered in place."""
     if origin is None or channel not in ("base_color", "alpha"):
@@ -116,23 +111,21 @@ def _straight_on(analysis: SceneAnalysis, request: PassRequest) -> textures.Expo
 class PassRequest:
     """A computed input to bake; `origin` is None for a normal that comes from Displacement, rendered as bump."""
 
-    material: bpy.types.Material
+    material: Material
     channel: str
     origin: ValueOrigin | None
 
     @property
-    def tree(self) -> bpy.types.NodeTree:
+    def tree(self) -> NodeTree:
         """The tree that computes the input."""
         return self.origin.socket.id_data if self.origin else self.material.node_tree
 
 
 def bake_passes(
-    scene: bpy.types.Scene, requests: Sequence[PassRequest], plane: CapturePlane | None = None
+    scene: Scene, requests: Sequence[PassRequest], plane: CapturePlane | None = None
 ) -> dict[tuple[str, str], MeasuredChannel]:
-    """Bakes inputs with one render of the camera's view, or of a plane; by (name of the material, channel).
-
-    Inputs of materials that are not visible, or that come from linked libraries, are left out.
-    """
+    """Bakes visible inputs with one render of the camera's view, or of a plane; by (name of the material, channel)."""
+    # What comes from linked libraries cannot be changed.
     requests = [r for r in requests if not (r.material.library or r.tree.library or r.tree.override_library)]
     if not requests:
         return {}
@@ -141,19 +134,21 @@ def bake_passes(
     channels = sorted({r.channel for r in requests})
     # One AOV output for each tree and channel: materials may share a group, and outputs of the same name add up.
     outputs = {(r.tree.as_pointer(), r.channel): r for r in requests}
-    sides = (_FAR_SIDE, _FAR_SIDE) if plane else (scene.render.resolution_x, scene.render.resolution_y)
-    scale = min(1.0, _LONGEST / max(sides))
+    # A plane, which only mirrors show, gets fewer pixels and samples.
+    sides = (384, 384) if plane else (scene.render.resolution_x, scene.render.resolution_y)
+    scale = min(1.0, 512 / max(sides))
     width, height = (max(16, round(scale * side)) for side in sides)  # Blender refuses fewer
-    frame: dict[str, Any] = {"resolution_x": width, "resolution_y": height, "resolution_percentage": 100}
     with ExitStack() as stack:
         for request in outputs.values():
-            stack.enter_context(_sent(request, f"Vibe {request.channel}"))
-        for number, name in enumerate(names, 1):
-            stack.enter_context(_marked(materials[name], float(number)))
-        twin = stack.enter_context(copied_scene(scene, **frame, film_transparent=False))
+            _send(stack, request)
+        for number, name in enumerate(names, 1):  # a material's number and its square tell which pixels show only it
+            for output, value in ((_INDEX, number), (_SQUARE, number * number)):
+                node = _added(stack, materials[name].node_tree, "OutputAOV")
+                node.aov_name, node.inputs["Value"].default_value = output, value
+        twin = stack.enter_context(copied_scene(scene, size=(width, height), film_transparent=False))
         if plane:
             stack.enter_context(straight_on(twin, plane))
-        passes = _render(twin, channels, _FAR_SAMPLES if plane else _SAMPLES)
+        passes = _render(twin, channels, 2 if plane else 4)
     index, square = passes[_INDEX][..., 0], passes[_SQUARE][..., 0]
     # The mean of squares equals the square of the mean only in pixels that show a single material.
     alone = np.abs(square - index * index) < 1e-3 * (1 + square)
@@ -172,7 +167,7 @@ def _is_color(channel: str) -> bool:
     return channel in (*COLORS, "normal") or channel.startswith("color")
 
 
-def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dict[str, np.ndarray]:
+def _render(twin: Scene, channels: Sequence[str], samples: int) -> dict[str, np.ndarray]:
     """Renders all AOVs, by name; switches off lights, world and fog as far as a scene's settings can."""
     layer, cycles = rendered.layer(twin), twin.cycles
     rendered.set_world(twin, None)
@@ -188,47 +183,28 @@ def _render(twin: bpy.types.Scene, channels: Sequence[str], samples: int) -> dic
         return bake.render_passes(twin)
 
 
-@contextmanager
-def _sent(request: PassRequest, name: str) -> Iterator[None]:
-    """Adds an AOV output for a requested input to the tree that computes it, inside the block."""
+def _added(stack: ExitStack, tree: NodeTree, kind: str) -> Node:
+    """A new shader node, which the stack removes."""
+    node = tree.nodes.new(f"ShaderNode{kind}")
+    stack.callback(tree.nodes.remove, node)
+    return node
+
+
+def _send(stack: ExitStack, request: PassRequest) -> None:
+    """Adds an AOV output for a requested input to the tree that computes it; the stack removes it."""
     tree = request.tree
-    added = []
-    try:
-        output = tree.nodes.new("ShaderNodeOutputAOV")
-        added.append(output)
-        output.aov_name = name
-        source = request.origin.source if request.origin else None
-        if request.channel == "normal":
-            if source is None:
-                added.append(tree.nodes.new("ShaderNodeNewGeometry"))
-                source = added[-1].outputs["Normal"]
-            half = tree.nodes.new("ShaderNodeVectorMath")
-            added.append(half)
-            half.operation = "MULTIPLY_ADD"  # AOVs clip negative values
-            half.inputs[1].default_value = half.inputs[2].default_value = (0.5, 0.5, 0.5)
-            tree.links.new(source, half.inputs[0])
-            source = half.outputs[0]
-        tree.links.new(source, output.inputs["Color" if _is_color(request.channel) else "Value"])
-        yield
-    finally:
-        for node in added:
-            tree.nodes.remove(node)
-
-
-@contextmanager
-def _marked(material: bpy.types.Material, number: float) -> Iterator[None]:
-    """Adds AOV outputs for a material's number and its square, inside the block: they tell which pixels show only it."""
-    nodes = material.node_tree.nodes
-    added = []
-    try:
-        for name, value in ((_INDEX, number), (_SQUARE, number * number)):
-            added.append(nodes.new("ShaderNodeOutputAOV"))
-            added[-1].aov_name = name
-            added[-1].inputs["Value"].default_value = value
-        yield
-    finally:
-        for node in added:
-            nodes.remove(node)
+    output = _added(stack, tree, "OutputAOV")
+    output.aov_name = f"Vibe {request.channel}"
+    source = request.origin.source if request.origin else None
+    if request.channel == "normal":
+        if source is None:
+            source = _added(stack, tree, "NewGeometry").outputs["Normal"]
+        half = _added(stack, tree, "VectorMath")
+        half.operation = "MULTIPLY_ADD"  # AOVs clip negative values
+        half.inputs[1].default_value = half.inputs[2].default_value = (0.5, 0.5, 0.5)
+        tree.links.new(source, half.inputs[0])
+        source = half.outputs[0]
+    tree.links.new(source, output.inputs["Color" if _is_color(request.channel) else "Value"])
 
 
 def _cropped(values: np.ndarray, shown: np.ndarray) -> MeasuredChannel:
@@ -239,29 +215,22 @@ def _cropped(values: np.ndarray, shown: np.ndarray) -> MeasuredChannel:
     left, right = max(0, columns[0] - _GROWN), min(width, columns[-1] + 1 + _GROWN)
     part, covered = values[bottom:top, left:right], shown[bottom:top, left:right]
     mean = part[covered].mean(0)
-    image = _grown(part, covered, mean)
-    window = (left / width, bottom / height, right / width, top / height)
-    return MeasuredChannel(mean, textures.ExportedTexture(image.astype(np.float32), "EXTEND", "", window))
-
-
-def _grown(values: np.ndarray, covered: np.ndarray, rest: np.ndarray) -> np.ndarray:
-    """Fills pixels outside `covered` with the mean of known neighbors, `_GROWN` pixels deep, and all others with `rest`.
-
-    `values` is (h, w, C), `covered` (h, w) bool is true for known pixels, `rest` is (C,).
-    """
-    values = np.where(covered[..., None], values, 0.0)
+    # Fill unknown pixels with the mean of known neighbors, as deep as the part was extended; all others with the mean.
+    image = np.where(covered[..., None], part, 0.0)
     for _ in range(_GROWN):
-        total, count = np.zeros_like(values), np.zeros(covered.shape)
-        padded = np.pad(values, ((1, 1), (1, 1), (0, 0))), np.pad(covered, 1)
+        total, count = np.zeros_like(image), np.zeros(covered.shape)
+        padded = np.pad(image, ((1, 1), (1, 1), (0, 0))), np.pad(covered, 1)
         for dy in range(3):
             for dx in range(3):
                 place = slice(dy, dy + covered.shape[0]), slice(dx, dx + covered.shape[1])
                 total += padded[0][place] * padded[1][place][..., None]
                 count += padded[1][place]
         fresh = ~covered & (count > 0)
-        values[fresh] = total[fresh] / count[fresh][:, None]
+        image[fresh] = total[fresh] / count[fresh][:, None]
         covered = covered | fresh
-    return np.where(covered[..., None], values, rest)
+    image = np.where(covered[..., None], image, mean).astype(np.float32)
+    window = (left / width, bottom / height, right / width, top / height)
+    return MeasuredChannel(mean, textures.ExportedTexture(image, "EXTEND", "", window))
 
 
 @dataclass(frozen=True)
@@ -290,8 +259,8 @@ def capture_plane(corners: np.ndarray, pivot: np.ndarray, distance: float) -> Ca
     out = out / max(np.linalg.norm(out), 1e-20)
     points = corners.reshape(-1, 3)
     extent = float(np.ptp(points, axis=0).max())
-    if extent <= 0 or np.abs((points - points[0]) @ out).max() > _FLAT * extent:
-        return None
+    if extent <= 0 or np.abs((points - points[0]) @ out).max() > 1e-4 * extent:
+        return None  # not flat
     helper = np.array([1.0, 0.0, 0.0]) if abs(out[0]) < 0.7 else np.array([0.0, 1.0, 0.0])
     right = helper - out * (helper @ out)
     right /= np.linalg.norm(right)
@@ -305,7 +274,7 @@ def capture_plane(corners: np.ndarray, pivot: np.ndarray, distance: float) -> Ca
 
 
 @contextmanager
-def straight_on(scene: bpy.types.Scene, plane: CapturePlane) -> Iterator[None]:
+def straight_on(scene: Scene, plane: CapturePlane) -> Iterator[None]:
     """Gives a scene an orthographic camera that sees only this plane, nothing in front or behind; inside the block."""
     data = bpy.data.cameras.new("Vibe Bake")
     camera = bpy.data.objects.new("Vibe Bake", data)

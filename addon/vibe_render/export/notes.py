@@ -5,19 +5,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import bpy
 import numpy as np
+from bpy.types import Scene
 
 from ..core import compat, rendered
 from ..core.schema_import import schema
 from ..scene.nodes import grade
 from .analysis import SceneAnalysis
 
-_NAMED = 3
-_MOST = 5
-
-_FAINT = 2.0**-8  # factor of exposure below which even white in full light renders black
-_WHOLE_PICTURE = 0.98  # part of the image that an object must cover to count as filling it
+_NAMED, _MOST = 3, 5  # materials that are named for a reason, and notes that are shown
 
 
 def notes_by_reason(notes: Mapping[str, Sequence[str]]) -> list[str]:
@@ -45,7 +41,7 @@ def filling(analysis: SceneAnalysis) -> int | None:
     objects, shown = analysis.geometry.objects, analysis.visible.object
     number = int(np.bincount(shown[shown >= 0]).argmax())
     alone = len(objects) < 2 or analysis.is_subject.sum() == len(objects)
-    return None if alone or (shown == number).mean() < _WHOLE_PICTURE else number
+    return None if alone or (shown == number).mean() < 0.98 else number
 
 
 def view_notes(analysis: SceneAnalysis) -> list[str]:
@@ -55,10 +51,9 @@ def view_notes(analysis: SceneAnalysis) -> list[str]:
     name, parent = analysis.geometry.objects[number]
     thing = next((o for o in analysis.scene.objects if o.name_full == (parent or name)), None)
     if thing is not None and not thing.visible_get(view_layer=rendered.layer(analysis.scene)):
-        raise schema.VibeError(
-            f'"{thing.name}" fills the picture: it is hidden in the viewport, but not in renders.',
-            "Hide it in renders too (the camera icon in the Outliner), or show it in the viewport.",
-        )
+        message = f'"{thing.name}" fills the picture: it is hidden in the viewport, but not in renders.'
+        remedy = "Hide it in renders too (the camera icon in the Outliner), or show it in the viewport."
+        raise schema.VibeError(message, remedy)
     low, high = analysis.geometry.boxes[number]
     eye = np.array(analysis.scene.camera.matrix_world.translation)
     if ((low < eye) & (eye < high)).all():
@@ -66,25 +61,21 @@ def view_notes(analysis: SceneAnalysis) -> list[str]:
     return []
 
 
-def check_shows(scene: bpy.types.Scene, filling: str, lit: bool) -> None:
-    """Raises a VibeError with the cause of a black render; not if only light is missing and the words add light.
+def check_shows(scene: Scene, filling: str, lit: bool) -> None:
+    """Raises a VibeError with the cause of a black render; not if only light is missing and the words may add it (`lit`).
 
-    Args:
-        filling: Name of the object that fills the image; "" if others are visible.
-        lit: Whether the words may add light to the scene.
+    `filling` is the name of the object that fills the image; "" if others are visible.
     """
     if grade.cut_off(compat.compositor(scene)):
-        why = "no picture reaches the output of its compositor", "Connect one, or take the compositor out."
-    elif scene.cycles.film_exposure * 2.0**scene.view_settings.exposure < _FAINT:
-        why = "it is hardly exposed", "Raise Exposure in Render Properties > Film, or in Color Management."
+        why, remedy = "no picture reaches the output of its compositor", "Connect one, or take the compositor out."
+    elif scene.cycles.film_exposure * 2.0**scene.view_settings.exposure < 2.0**-8:  # even white in full light is black
+        why, remedy = "it is hardly exposed", "Raise Exposure in Render Properties > Film, or in Color Management."
     elif filling:
-        why = (
-            f'"{filling}" fills the picture, and no light reaches the side that the camera sees',
-            f'Move "{filling}" away from the camera, or hide it in renders.',
-        )
+        why = f'"{filling}" fills the picture, and no light reaches the side that the camera sees'
+        remedy = f'Move "{filling}" away from the camera, or hide it in renders.'
     elif not lit:
+        why = "no light reaches what the camera sees"
         remedy = "Turn a light on or towards it, or ask for one in the prompt: “lit from the left”."
-        why = "no light reaches what the camera sees", remedy
     else:
         return
-    raise schema.VibeError(f"The scene renders black: {why[0]}.", why[1])
+    raise schema.VibeError(f"The scene renders black: {why}.", remedy)

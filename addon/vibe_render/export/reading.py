@@ -8,14 +8,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-import bpy
+from bpy.types import Scene
 from mathutils import Vector
 
 from ..core import rendered
 from ..core.schema_import import schema
 from ..scene import fog, keyframes, snapshot
-from ..scene.geometry import visibility
 from ..scene.geometry.meshes import box_geometry
+from ..scene.geometry.triangles import ray_camera, visible_surfaces
 from ..scene.nodes import owned
 from ..scene.prepare import prepare_scene
 from ..scene.subject import SubjectChoice, named_objects
@@ -24,19 +24,17 @@ from .job_folder import SceneJob, read_parameters, write_job, write_sketch
 
 
 def export_scene(
-    scene: bpy.types.Scene,
+    scene: Scene,
     folder: Path,
     choice: SubjectChoice,
     first_shot: SceneAnalysis | None = None,
     eyes: Sequence[Vector] = (),
     measure: bool = True,
 ) -> SceneJob:
-    """Adds what the scene lacks and writes its job folder; after a failure the scene is as it was.
+    """Adds what the scene lacks and writes its job folder (see `write_job`); after a failure the scene is as it was.
 
-    Args:
-        first_shot: The analysis of an earlier shot of this scene, whose subject and pivot this shot takes.
-        eyes: Camera positions of all shots of this scene: one fog box encloses them.
-        measure: As for `write_job`.
+    A shot takes the subject and pivot of the scene's first shot. `eyes` are the camera positions of all of its shots: one
+    fog box encloses them.
     """
     with _prepared(scene, choice) as analysis:
         if eyes:
@@ -44,9 +42,7 @@ def export_scene(
         return write_job(with_subject_of(analysis, first_shot) if first_shot else analysis, folder, measure)
 
 
-def export_captured(
-    scene: bpy.types.Scene, folder: Path, choice: SubjectChoice, visible: VisibleScene
-) -> SceneJob | None:
+def export_captured(scene: Scene, folder: Path, choice: SubjectChoice, visible: VisibleScene) -> SceneJob | None:
     """Writes the job folder of a prepared and captured scene.
 
     None if the camera, the snapshot, or a captured object or material has been removed since. The caller has to roll back
@@ -57,7 +53,7 @@ def export_captured(
     return write_job(analyze(scene, choice, visible), folder)
 
 
-def prepare_and_snapshot(scene: bpy.types.Scene, choice: SubjectChoice) -> None:
+def prepare_and_snapshot(scene: Scene, choice: SubjectChoice) -> None:
     """Mutes Vibe Render's keyframes and adds what the scene lacks; starts a snapshot, if there is none, for Revert."""
     check_scene(scene)
     keyframes.set_aside(scene)
@@ -73,35 +69,32 @@ class SceneReading:
     instances: dict[str, schema.Instance]
 
 
-def read_scene(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneReading:
+def read_scene(scene: Scene, choice: SubjectChoice) -> SceneReading:
     """Reads the parameters of a scene that has a camera, without changing it; raises as `export_scene`."""
     analysis = analyze(scene, choice)
     return SceneReading(analysis, read_parameters(analysis))
 
 
-def prepare_and_read(scene: bpy.types.Scene, choice: SubjectChoice) -> SceneReading:
+def prepare_and_read(scene: Scene, choice: SubjectChoice) -> SceneReading:
     """Adds what the scene lacks and reads its parameters; fails as `export_scene`."""
     with _prepared(scene, choice) as analysis:
         return SceneReading(analysis, read_parameters(analysis))
 
 
 @contextmanager
-def _prepared(scene: bpy.types.Scene, choice: SubjectChoice) -> Iterator[SceneAnalysis]:
+def _prepared(scene: Scene, choice: SubjectChoice) -> Iterator[SceneAnalysis]:
     """Adds what a scene lacks and yields its analysis; a failure inside the block undoes the additions."""
     with snapshot.rollback_on_failure(scene):
         prepare_and_snapshot(scene, choice)
         yield analyze(scene, choice)
 
 
-def sketch_scene(scene: bpy.types.Scene, folder: Path, choice: SubjectChoice) -> None:
-    """Writes a sketch: a job folder with bounding boxes in place of meshes, for explaining words.
-
-    The scene is not changed, except for unreadable names. Raises as `check_scene` and `analyze`.
-    """
+def sketch_scene(scene: Scene, folder: Path, choice: SubjectChoice) -> None:
+    """Writes a sketch: a job folder with bounding boxes in place of meshes, for explaining words; changes names at most."""
     check_scene(scene)
     rendered.layer(scene).update()  # collections and matrices that have just changed
-    camera = visibility.ray_camera(scene)
+    camera = ray_camera(scene)
     shown = {obj for obj in rendered.shown(scene) if not owned.is_unseen(obj)}
     geometry = box_geometry(scene, shown, camera)
-    visible = VisibleScene(geometry, visibility.visible_surfaces(camera, geometry), frozenset())
+    visible = VisibleScene(geometry, visible_surfaces(camera, geometry), frozenset())
     write_sketch(analyze(scene, choice, visible), folder)

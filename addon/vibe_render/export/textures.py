@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from bpy.types import Image, Material, Node, NodeSocket, Scene
 from mathutils import Color
 
 from ..core.color import to_linear
@@ -15,7 +16,6 @@ from ..render import bake
 from ..scene.nodes.trails import ValueOrigin, active_links
 
 _LONGEST = 1024  # pixels, longest side of a copied image
-_BAKED = 512  # pixels, side of a texture baked over UVs
 _VIEW = 96  # pixels, longer side of a render for a mean color
 
 # Nodes whose result depends only on their inputs; those of `_TEXTURES` only if their Vector is linked.
@@ -45,7 +45,7 @@ class ExportedTexture:
     plane: list[list[float]] | None = None
 
 
-def uv_mapping(source: bpy.types.NodeSocket | None) -> tuple[str, np.ndarray]:
+def uv_mapping(source: NodeSocket | None) -> tuple[str, np.ndarray]:
     """The UV map that an output's texture reads ("" for the active one), and the 3x3 matrix of its Mapping node."""
     node = plain_image(source, ("Color", "Alpha"))
     if node is not None:
@@ -54,7 +54,7 @@ def uv_mapping(source: bpy.types.NodeSocket | None) -> tuple[str, np.ndarray]:
     return (maps[0] if maps else ""), np.eye(3)
 
 
-def uv_texture(material: bpy.types.Material, channel: str, origin: ValueOrigin) -> ExportedTexture | None:
+def uv_texture(material: Material, channel: str, origin: ValueOrigin) -> ExportedTexture | None:
     """The texture of an input that depends only on UVs: its image, or a bake of the unit square; None for other inputs."""
     source = origin.source
     assert source
@@ -63,38 +63,31 @@ def uv_texture(material: bpy.types.Material, channel: str, origin: ValueOrigin) 
         if not _reads_uv_only(source):
             return None
         with bake.emitting(material, origin) as glowing:
-            return ExportedTexture(bake.bake_uvs(glowing, _BAKED))
+            return ExportedTexture(bake.bake_uvs(glowing, 512))
     alpha = channel == "alpha" and source.name == "Alpha"
     image = image_alpha(node.image) if alpha else image_colors(node.image)
     if image is None:
-        missing = f"The image {node.image.name!r} is missing"
-        # as Cycles shows it
-        return ExportedTexture(np.array([[[1.0, 0.0, 1.0]]], np.float32), warning=missing)
+        pink = np.array([[[1.0, 0.0, 1.0]]], np.float32)  # as Cycles shows it
+        return ExportedTexture(pink, warning=f"The image {node.image.name!r} is missing")
     return ExportedTexture(image, {"MIRROR": "REPEAT"}.get(node.extension, node.extension))
 
 
-def mean_color(
-    scene: bpy.types.Scene, material: bpy.types.Material, origin: ValueOrigin, mask: np.ndarray
-) -> np.ndarray:
-    """The mean linear color (3,) of an output over the pixels of the camera's image where `mask` (R, R) is true.
-
-    For an image that is read directly, the mean of the whole image. If the mask is empty, the mean over the unit square
-    of the UVs: mirrors and bounced light may still show the material.
-    """
+def mean_color(scene: Scene, material: Material, origin: ValueOrigin, mask: np.ndarray) -> np.ndarray:
+    """The mean linear color (3,) of an output where `mask` (R, R) of the camera's image is true; of a plain image, of all."""
     assert origin.source
     plain = plain_image(origin.source)
     image = image_colors(plain.image) if plain else None
     if image is not None:
         return image.reshape(-1, 3).mean(0)
     with bake.emitting(material, origin) as glowing:
-        if not mask.any():
+        if not mask.any():  # mirrors and bounced light may still show the material
             return bake.bake_uvs(glowing, _VIEW).mean((0, 1))
         view = bake.bake_view(scene, glowing, _VIEW)
     rows, columns = ((np.arange(len(mask)) + 0.5) / len(mask) * side for side in view.shape[:2])
     return view[rows.astype(int)][:, columns.astype(int)][mask].mean(0)
 
 
-def image_colors(image: bpy.types.Image | None) -> np.ndarray | None:
+def image_colors(image: Image | None) -> np.ndarray | None:
     """A scene-linear copy of an image, (H, W, 3), at most 1024 pixels a side; None if its file is missing."""
     if image is None or not image.size[0] or not image.size[1]:
         return None
@@ -105,11 +98,9 @@ def image_colors(image: bpy.types.Image | None) -> np.ndarray | None:
     return (to_linear(colors) @ np.array(primaries)).astype(np.float32)
 
 
-def is_encoded_usually(image: bpy.types.Image | None) -> bool:
-    """True if an image's colors are float, data, or in the color space of new images, which is always sRGB.
-
-    Names of color spaces depend on the OCIO configuration. Only Blender can decode all of them, by a render.
-    """
+def is_encoded_usually(image: Image | None) -> bool:
+    """True if an image's colors are float, data, or in the color space of new images, which is always sRGB."""
+    # Names of color spaces depend on the OCIO configuration. Only Blender can decode all of them, by a render.
     if image is None or image.is_float:
         return True
     space = image.colorspace_settings
@@ -119,7 +110,7 @@ def is_encoded_usually(image: bpy.types.Image | None) -> bool:
         return fresh.colorspace_settings.name == space.name
 
 
-def image_alpha(image: bpy.types.Image | None) -> np.ndarray | None:
+def image_alpha(image: Image | None) -> np.ndarray | None:
     """The alpha (H, W, 1) of an image with at most 1024 pixels a side; None if its file is missing."""
     if image is None or not image.size[0] or not image.size[1]:
         return None
@@ -135,11 +126,10 @@ def shrink(image: np.ndarray, longest: int) -> np.ndarray:
         return image
     height, width = (max(1, side // step) for side in image.shape[:2])
     tall, wide = min(step, image.shape[0]), min(step, image.shape[1])
-    blocks = image[: height * tall, : width * wide].reshape(height, tall, width, wide, image.shape[2])
-    return blocks.mean((1, 3))
+    return image[: height * tall, : width * wide].reshape(height, tall, width, wide, -1).mean((1, 3))
 
 
-def plain_image(source: bpy.types.NodeSocket | None, outputs: tuple[str, ...] = ("Color",)) -> bpy.types.Node | None:
+def plain_image(source: NodeSocket | None, outputs: tuple[str, ...] = ("Color",)) -> Node | None:
     """The image texture node behind an output, if it lays a still, decodable image flat over a UV map; else None."""
     while source is not None and source.node.type == "REROUTE":
         links = active_links(source.node.inputs[0])
@@ -151,7 +141,7 @@ def plain_image(source: bpy.types.NodeSocket | None, outputs: tuple[str, ...] = 
     return node if flat and is_encoded_usually(node.image) and _coordinates(node) else None
 
 
-def _coordinates(node: bpy.types.Node) -> tuple[str, np.ndarray] | None:
+def _coordinates(node: Node) -> tuple[str, np.ndarray] | None:
     """The UV map ("" for the active one) and 3x3 matrix that a texture node reads; None for other coordinates."""
     matrix = np.eye(3)
     links = active_links(node.inputs["Vector"])
@@ -163,29 +153,22 @@ def _coordinates(node: bpy.types.Node) -> tuple[str, np.ndarray] | None:
             return before.uv_map, matrix
         if before.type == "REROUTE":
             links = active_links(before.inputs[0])
-        elif before.bl_idname == "ShaderNodeMapping" and (step := _mapping_matrix(before)) is not None:
-            matrix = matrix @ step
+        elif before.bl_idname == "ShaderNodeMapping" and before.vector_type == "POINT":
             links = active_links(before.inputs["Vector"])
-            if not links:
+            entries = [before.inputs[name] for name in ("Location", "Rotation", "Scale")]
+            place, turn, size = (entry.default_value for entry in entries)
+            # its values have to be constant, and its rotation about Z alone
+            if any(map(active_links, entries)) or turn[0] or turn[1] or not links:
                 return None
+            c, s = np.cos(turn[2]), np.sin(turn[2])
+            step = [[c * size[0], -s * size[1], place[0]], [s * size[0], c * size[1], place[1]], [0, 0, 1]]
+            matrix = matrix @ np.array(step)
         else:
             return None
     return "", matrix
 
 
-def _mapping_matrix(node: bpy.types.Node) -> np.ndarray | None:
-    """The 3x3 matrix of a Mapping node on UVs; None if it is computed, not of type Point, or rotates about X or Y."""
-    names = ("Location", "Rotation", "Scale")
-    if node.vector_type != "POINT" or any(active_links(node.inputs[n]) for n in names):
-        return None
-    place, turn, size = (node.inputs[n].default_value for n in names)
-    if turn[0] or turn[1]:
-        return None
-    c, s = np.cos(turn[2]), np.sin(turn[2])
-    return np.array([[c * size[0], -s * size[1], place[0]], [s * size[0], c * size[1], place[1]], [0, 0, 1]])
-
-
-def _upstream(source: bpy.types.NodeSocket) -> list[bpy.types.Node]:
+def _upstream(source: NodeSocket) -> list[Node]:
     """All nodes that an output depends on."""
     upstream, pending = [], [source.node]
     while pending:
@@ -196,7 +179,7 @@ def _upstream(source: bpy.types.NodeSocket) -> list[bpy.types.Node]:
     return upstream
 
 
-def _reads_uv_only(source: bpy.types.NodeSocket) -> bool:
+def _reads_uv_only(source: NodeSocket) -> bool:
     """True if an output depends only on the surface's UVs."""
     for node in _upstream(source):
         if node.bl_idname == "ShaderNodeTexCoord":

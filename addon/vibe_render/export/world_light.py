@@ -4,71 +4,62 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import ExitStack, contextmanager
 
-import bpy
 import numpy as np
+from bpy.types import NodeTree, World
 
 from ..core import compat
 from ..core.journal import Journal
 from ..core.temporary import temporary
 from ..render import bake
-from ..scene.nodes import backgrounds, inputs, trails
-from ..scene.nodes.inputs import FACTOR, TINT
+from ..scene.nodes import backgrounds, inputs
 from .textures import image_colors, is_encoded_usually
 
-_HEIGHT, _SAMPLES = 512, 8
 _LIGHT = {"Is Diffuse Ray": 1.0, "Is Reflection Ray": 1.0, "Ray Depth": 1.0, "Diffuse Depth": 1.0}
 """Outputs of a Light Path node for rays from a matte surface to the world; all other outputs are 0."""
 
 
-@dataclass(frozen=True)
-class WorldPictures:
-    """The world's images in Blender's equirectangular mapping, not rotated; row 0 is straight down."""
+def pictures(world: World | None) -> tuple[np.ndarray | None, np.ndarray | None, str]:
+    """The images of what lights the scene and of what the camera sees of a world, and a note on what is approximated.
 
-    light: np.ndarray | None = None  # (H, 2H, 3) float32 linear, lights the scene; None for one color
-    backdrop: np.ndarray | None = None  # what the camera sees; None if that is `light` or one color
-    note: str = ""  # on what is approximated
-
-
-def pictures(world: bpy.types.World | None) -> WorldPictures:
-    """The world's images: of its single Background, or of all Backgrounds mixed."""
+    They are (H, 2H, 3) float32 linear, in Blender's equirectangular mapping, not rotated; row 0 is straight down. None
+    stands for one color; the second is None, too, if the camera sees the first.
+    """
     if world is None:
-        return WorldPictures()
+        return None, None, ""
     parted = backgrounds.has_backdrop(world)
     backdrop = _backdrop(world) if parted else None
     if backgrounds.mixed_backgrounds(world):
         light, seen = _mix(world)
-        return WorldPictures(light, backdrop if parted else seen)
-    image, note = _environment(world, backgrounds.single_background(world))
-    return WorldPictures(image, backdrop, note)
-
-
-def _environment(world: bpy.types.World, background: trails.NodeInGroups | None) -> tuple[np.ndarray | None, str]:
-    """The image of a single Background, not rotated (None for one color), and a note on what is approximated."""
-    color = background.entry("Color") if background else None
+        return light, backdrop if parted else seen, ""
+    single = backgrounds.single_background(world)
+    color = single.entry("Color") if single else None
     origin = inputs.artists_origin(color) if color else None
     if origin is None or origin.source is None:
-        return None, ""
+        return None, backdrop, ""
     node = origin.source.node
     plain = node.bl_idname == "ShaderNodeTexEnvironment" and node.projection == "EQUIRECTANGULAR"
     if plain and is_encoded_usually(node.image) and backgrounds.is_only_turned(world):
         image = image_colors(node.image)
         if image is None:
-            return np.array([[[1.0, 0.0, 1.0]]], np.float32), "the world's image is missing"
-        return image, ""
-    with _plain(world, origin) as twin:
-        return _panorama(twin), ""
+            return np.array([[[1.0, 0.0, 1.0]]], np.float32), backdrop, "the world's image is missing"
+        return image, backdrop, ""
+    # Of any other color, render a copy at strength 1, not rotated: the rotation is a separate parameter.
+    twin, journal = _copy(world), Journal()
+    if turn := backgrounds.rotation_slot(twin):
+        turn.set(journal, 0.0)
+    with temporary(twin, *bake.emit(twin.node_tree, origin, "Background", "World")), ExitStack() as stack:
+        stack.callback(journal.undo)
+        return _panorama(twin), backdrop, ""
 
 
-def _backdrop(world: bpy.types.World) -> np.ndarray | None:
+def _backdrop(world: World) -> np.ndarray | None:
     """The image that only the camera sees, without tint and strength; None for one color or the image of the light."""
-    if backgrounds.shares_picture(world):
-        return None
-    single = backgrounds.single_background(world, backgrounds.BACKDROP)
-    color = single.entry("Color") if single else None
-    if color and inputs.artists_origin(color).source is None:
+    single = [backgrounds.single_background(world, part) for part in (backgrounds.BACKDROP, backgrounds.LIGHT)]
+    colors = [background.entry("Color") if background else None for background in single]
+    seen, lights = (inputs.artists_origin(color) if color else None for color in colors)
+    if seen and (seen.source is None or (lights and seen.source == lights.source)):
         return None
     with _untinted(world) as (twin, _):
         if copy := backgrounds.single_background(twin, backgrounds.BACKDROP):
@@ -78,33 +69,33 @@ def _backdrop(world: bpy.types.World) -> np.ndarray | None:
         return _panorama(twin)
 
 
-def _mix(world: bpy.types.World) -> tuple[np.ndarray, np.ndarray | None]:
+def _mix(world: World) -> tuple[np.ndarray, np.ndarray | None]:
     """Images of all Backgrounds as they light surfaces, and as the camera sees them (None if it cannot differ)."""
     with _untinted(world) as (twin, trees):
         seen = _panorama(twin)
-        paths = [(tree, node) for tree in trees for node in tree.nodes if node.type == "LIGHT_PATH"]
+        paths = [node for tree in trees for node in tree.nodes if node.type == "LIGHT_PATH"]
         if not paths:
             return seen, None
         # Replace the Light Path nodes by their outputs for rays from matte surfaces.
-        for tree, node in paths:
-            for output in node.outputs:
-                targets = [link.to_socket for link in output.links]
-                if targets:
-                    constant = tree.nodes.new("ShaderNodeValue").outputs[0]
-                    constant.default_value = _LIGHT.get(output.name, 0.0)
-                    for target in targets:
-                        tree.links.new(constant, target)
+        for output in [each for node in paths for each in node.outputs if each.is_linked]:
+            tree, targets = output.id_data, [link.to_socket for link in output.links]
+            constant = tree.nodes.new("ShaderNodeValue").outputs[0]
+            constant.default_value = _LIGHT.get(output.name, 0.0)
+            for target in targets:
+                tree.links.new(constant, target)
         return _panorama(twin), seen
 
 
-def _panorama(world: bpy.types.World) -> np.ndarray:
+def _panorama(world: World) -> np.ndarray:
     """A world's image; a single texel if it is the same in all directions."""
-    picture = bake.bake_world(world, _HEIGHT, _SAMPLES)
+    with bake.empty_scene(1024, 512) as scene:
+        scene.world = world
+        picture = bake.bake_panorama(scene, samples=8)
     even = float(np.ptp(picture, axis=(0, 1)).max()) < 1e-5 * float(picture.max())
     return picture[:1, :1] if even else picture
 
 
-def _copy(world: bpy.types.World) -> bpy.types.World:
+def _copy(world: World) -> World:
     twin = world.copy()
     compat.drop_action(twin.node_tree)
     twin.cycles.sampling_method = "NONE"  # no importance map, which can take minutes: the copy lights nothing
@@ -112,7 +103,7 @@ def _copy(world: bpy.types.World) -> bpy.types.World:
 
 
 @contextmanager
-def _untinted(world: bpy.types.World) -> Iterator[tuple[bpy.types.World, list[bpy.types.NodeTree]]]:
+def _untinted(world: World) -> Iterator[tuple[World, list[NodeTree]]]:
     """A temporary copy of a world and its groups, without volume and with neutral insets; yields it and its trees."""
     twin = _copy(world)
     tree = twin.node_tree
@@ -121,20 +112,6 @@ def _untinted(world: bpy.types.World) -> Iterator[tuple[bpy.types.World, list[bp
             tree.links.remove(link)
     trees = [tree, *compat.copy_groups(tree)]
     for tree in trees:
-        inputs.neutralize(tree, (TINT, FACTOR))
+        inputs.neutralize(tree)
     with temporary(twin, *trees[1:]):
         yield twin, trees
-
-
-@contextmanager
-def _plain(world: bpy.types.World, origin: trails.ValueOrigin) -> Iterator[bpy.types.World]:
-    """A temporary copy of a world that shows the value of an output, not rotated, at strength 1."""
-    twin = _copy(world)
-    journal = Journal()
-    if turn := backgrounds.rotation_slot(twin):  # the rotation is a separate parameter
-        turn.set(journal, 0.0)
-    with temporary(twin, *bake.emit(twin.node_tree, origin, "Background", "World")):
-        try:
-            yield twin
-        finally:
-            journal.undo()

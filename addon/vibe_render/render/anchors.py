@@ -12,13 +12,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import bpy
-from bpy.types import Object, Scene
+from bpy.types import ID, Object, Scene
 
 from ..core import rendered
 from ..core.schema_import import messages, schema
 from ..scene import bindings
 from ..scene.copies import copied_scene
-from . import final_render, light_groups
+from . import bake, final_render, light_groups
 
 
 def answer_anchor(
@@ -52,26 +52,21 @@ def render_anchor(
     """Renders the scene with other values (by key), without compositor and view transform, to a multilayer EXR.
 
     The file has the scene-linear layers "Combined" (denoised), "Noisy Image" and one "Combined_…" for each light group.
-    It appears whole or not at all, and the scene is left exactly as it was.
-
-    Returns:
-        Name of each light group to its owner, "light/NAME" or "world". Light of other sources is only in "Combined".
+    It appears whole or not at all, and the scene is left exactly as it was. Returned are the names of the light groups
+    with their owners, "light/NAME" or "world"; light of other sources is only in "Combined".
     """
     linear_values = {key: value for key, value in values.items() if not key.startswith("film/")}
     with bindings.trial(scene, linear_values, subject, pivot), copied_scene(scene) as twin:
         layer = rendered.layer(twin)
         layer.cycles.denoising_store_passes = True
-        emitters = _emitters(scene)
+        # Owner to the data-blocks of its light group; lights with the same data share a group.
+        sharing = light_groups.sharing_data(light_groups.all_lights(scene))
+        found: dict[str, list[ID]] = {f"light/{name}": [*members] for name, members in sharing.items()}
+        if world := rendered.world(scene):
+            found["world"] = [world]
+        emitters = {owner: members for owner, members in found.items() if all(m.is_editable for m in members)}
         numbered = ((f"Vibe {n}", members) for n, members in enumerate(emitters.values()))
         with light_groups.grouped(layer, numbered) as names:
-            final_render.render_layers(twin, layer, path, size, samples, seed)
+            final_render.set_up(twin, size, samples, seed)
+            bake.render_file(twin, path, {**bake.LAYERS, "exr_codec": "ZIP"}, layer=layer.name)
     return dict(zip(names, emitters, strict=True))
-
-
-def _emitters(scene: Scene) -> dict[str, list[bpy.types.ID]]:
-    """Owner ("light/NAME" or "world") to the data-blocks of its light group; lights with the same data share a group."""
-    sharing = light_groups.sharing_data(light_groups.all_lights(scene))
-    emitters: dict[str, list[bpy.types.ID]] = {f"light/{name}": [*members] for name, members in sharing.items()}
-    if world := rendered.world(scene):
-        emitters["world"] = [world]
-    return {owner: members for owner, members in emitters.items() if all(m.is_editable for m in members)}

@@ -14,7 +14,7 @@ from typing import Any
 import bmesh
 import bpy
 import numpy as np
-from bpy.types import Light, Object, Scene
+from bpy.types import Image, Light, Material, NodeTree, Object, Scene
 from mathutils import Vector
 
 from ..core import compat, rendered
@@ -27,7 +27,6 @@ from ..scene.nodes import light_nodes
 from ..scene.nodes.trails import ValueOrigin, group_output, same_socket
 
 _FACTOR_HEIGHT, _FACTOR_SAMPLES = 32, 64
-_WATTS = 1000.0
 LINEAR = {"media_type": "IMAGE", "file_format": "OPEN_EXR", "color_depth": "32", "color_mode": "RGB"}
 """`image_settings` of a linear EXR, to be set in this order: the later ones are valid only after the earlier ones."""
 LAYERS = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER", "color_depth": "32"}
@@ -40,10 +39,7 @@ def png(mode: str, depth: str = "8") -> dict[str, Any]:
 
 
 def render_file(scene: Scene, path: Path, kind: Mapping[str, Any], **options: str) -> None:
-    """Renders a temporary scene to a file, atomically.
-
-    `kind` has the file's `image_settings`, such as `LINEAR`; `options` are passed to `bpy.ops.render.render`.
-    """
+    """Renders a temporary scene to a file, atomically, with `image_settings` such as `LINEAR`, and operator options."""
     assign(scene.render.image_settings, **kind)
     assign(scene.render, use_overwrite=True, use_file_extension=True)
     with whole(path) as part:
@@ -51,27 +47,29 @@ def render_file(scene: Scene, path: Path, kind: Mapping[str, Any], **options: st
         bpy.ops.render.render(scene=scene.name, write_still=True, **options)
 
 
-def _render_linear(scene: bpy.types.Scene, samples: int) -> np.ndarray:
+def render_pixels(scene: Scene, kind: Mapping[str, Any], **options: str) -> np.ndarray:
+    """Renders a temporary scene as `render_file` does: the pixels as `read_file` gives them."""
+    with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
+        path = Path(folder) / f"pixels.{'png' if kind['file_format'] == 'PNG' else 'exr'}"
+        render_file(scene, path, kind, **options)
+        return read_file(path)
+
+
+def _render_linear(scene: Scene, samples: int) -> np.ndarray:
     """Renders the scene with Cycles, without bounces: (H, W, 3) float32, scene-linear, row 0 at the bottom."""
     scene.render.engine = "CYCLES"
     exact = {"samples": samples, "use_denoising": False, "use_adaptive_sampling": False}
-    with tempfile.TemporaryDirectory() as folder, changed(scene.cycles, device="CPU", max_bounces=0, **exact):
-        path = Path(folder) / "linear.exr"
-        render_file(scene, path, LINEAR, layer=rendered.layer(scene).name)
-        with temporary(bpy.data.images.load(str(path))) as image:
-            return image_pixels(image)
+    with changed(scene.cycles, device="CPU", max_bounces=0, **exact):
+        pixels = render_pixels(scene, LINEAR, layer=rendered.layer(scene).name)
+    return np.nan_to_num(pixels[..., :3], nan=0.0, posinf=0.0, neginf=0.0)
 
 
-def render_passes(scene: bpy.types.Scene) -> dict[str, np.ndarray]:
-    """Renders a scene; returns the passes of its first rendered view layer, by name.
-
-    A pass is (H, W, C) float32, row 0 at the bottom; its channels C are in the order RGBA or XYZW.
-    """
+def render_passes(scene: Scene) -> dict[str, np.ndarray]:
+    """Renders a scene; returns the passes (H, W, C) float32 of its first view layer by name, row 0 at the bottom."""
     layer = rendered.layer(scene)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "passes.exr"
-        plain = {**LAYERS, "exr_codec": "NONE", "use_exr_interleave": True}
-        render_file(scene, path, plain, layer=layer.name)
+        render_file(scene, path, {**LAYERS, "exr_codec": "NONE", "use_exr_interleave": True}, layer=layer.name)
         channels = read_exr(path)
     passes: dict[str, dict[str, np.ndarray]] = {}
     for name, values in channels.items():
@@ -118,7 +116,7 @@ def read_exr(path: Path) -> dict[str, np.ndarray]:
     return {name: values[::-1, i] for i, name in enumerate(names)}
 
 
-def image_channels(image: bpy.types.Image) -> np.ndarray:
+def image_channels(image: Image) -> np.ndarray:
     """The stored pixels of an image: (H, W, C) float32, row 0 at the bottom, in its own color space."""
     width, height = image.size
     flat = np.empty(width * height * image.channels, np.float32)
@@ -133,14 +131,14 @@ def read_file(path: Path) -> np.ndarray:
         return image_channels(image)
 
 
-def image_pixels(image: bpy.types.Image) -> np.ndarray:
+def image_pixels(image: Image) -> np.ndarray:
     """Red, green and blue of `image_channels`: (H, W, 3); values that are not finite become 0, as in Cycles."""
     values = np.nan_to_num(image_channels(image), copy=False, nan=0.0, posinf=0.0, neginf=0.0)
     return values[..., :3] if image.channels >= 3 else np.repeat(values[..., :1], 3, axis=-1)
 
 
 @contextmanager
-def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.types.Material]:
+def emitting(material: Material, origin: ValueOrigin) -> Iterator[Material]:
     """A copy of a material that emits the value at `origin`; removed after the block, with its copies of node groups."""
     twin = material.copy()
     compat.drop_action(twin.node_tree)
@@ -148,14 +146,27 @@ def emitting(material: bpy.types.Material, origin: ValueOrigin) -> Iterator[bpy.
         yield twin
 
 
-def emit(tree: bpy.types.NodeTree, origin: ValueOrigin, shader: str, output: str) -> list[bpy.types.NodeTree]:
+def emit(tree: NodeTree, origin: ValueOrigin, shader: str, output: str) -> list[NodeTree]:
     """Makes a copied material or world emit the value at `origin` in its tree; returns the node groups copied for it.
 
     `shader` and `output` are "Emission" and "Material", or "Background" and "World".
     """
-    exit_, groups = _exposed_output(tree, origin)
+    # Copy the groups around the value, and give it an output through them to the top level of the tree.
+    inner, groups, holders = tree, [], []
+    for name in (group.name for group in origin.inside):
+        holders.append(inner.nodes[name])
+        inner = holders[-1].node_tree = holders[-1].node_tree.copy()
+        compat.drop_action(inner)
+        groups.append(inner)
+    source = origin.source
+    assert source
+    socket = same_socket(inner.nodes[source.node.name].outputs, source)
+    for holder, group in zip(reversed(holders), reversed(groups), strict=True):
+        item = group.interface.new_socket("Vibe Bake", in_out="OUTPUT", socket_type="NodeSocketColor")
+        group.links.new(socket, next(s for s in group_output(holder) if s.identifier == item.identifier))
+        socket = next(s for s in holder.outputs if s.identifier == item.identifier)
     glow = tree.nodes.new(f"ShaderNode{shader}")
-    tree.links.new(exit_, glow.inputs["Color"])
+    tree.links.new(socket, glow.inputs["Color"])
     for node in [n for n in tree.nodes if n.bl_idname == f"ShaderNodeOutput{output}"]:
         for link in [link for entry in node.inputs for link in entry.links]:
             tree.links.remove(link)
@@ -163,43 +174,17 @@ def emit(tree: bpy.types.NodeTree, origin: ValueOrigin, shader: str, output: str
     return groups
 
 
-def _exposed_output(
-    tree: bpy.types.NodeTree, origin: ValueOrigin
-) -> tuple[bpy.types.NodeSocket, list[bpy.types.NodeTree]]:
-    """The output socket, at the top level of a tree, of the value at `origin`; and the node groups copied for it."""
-    groups, holders = [], []
-    for name in (group.name for group in origin.inside):
-        holders.append(tree.nodes[name])
-        holders[-1].node_tree = holders[-1].node_tree.copy()
-        tree = holders[-1].node_tree
-        compat.drop_action(tree)
-        groups.append(tree)
-    source = origin.source
-    assert source
-    socket = same_socket(tree.nodes[source.node.name].outputs, source)
-    for holder, group in zip(reversed(holders), reversed(groups), strict=True):
-        item = group.interface.new_socket("Vibe Bake", in_out="OUTPUT", socket_type="NodeSocketColor")
-        group.links.new(socket, next(s for s in group_output(holder) if s.identifier == item.identifier))
-        socket = next(s for s in holder.outputs if s.identifier == item.identifier)
-    return socket, groups
-
-
-def bake_view(scene: bpy.types.Scene, material: bpy.types.Material, size: int) -> np.ndarray:
-    """The camera's view of the scene with one emitting material on all objects: (H, W, 3), scene-linear.
-
-    `size` is the longer side in pixels.
-    """
+def bake_view(scene: Scene, material: Material, size: int) -> np.ndarray:
+    """The camera's view with one emitting material on all objects: (H, W, 3), scene-linear; `size` is its longer side."""
     sides = scene.render.resolution_x, scene.render.resolution_y
     width, height = (max(16, round(size * side / max(sides))) for side in sides)  # 16: Blender's minimum
-    with copied_scene(
-        scene, resolution_x=width, resolution_y=height, resolution_percentage=100, film_transparent=False
-    ) as twin:
+    with copied_scene(scene, size=(width, height), film_transparent=False) as twin:
         rendered.set_world(twin, None)
         rendered.layer(twin).material_override = material
         return _render_linear(twin, samples=4)
 
 
-def bake_uvs(material: bpy.types.Material, size: int) -> np.ndarray:
+def bake_uvs(material: Material, size: int) -> np.ndarray:
     """An emitting material over the unit square of UV space: (size, size, 3), scene-linear, row 0 at v = 0."""
     with empty_scene(size, size) as scene:
         mesh = bpy.data.meshes.new("Vibe Bake")
@@ -214,15 +199,8 @@ def bake_uvs(material: bpy.types.Material, size: int) -> np.ndarray:
             return _render_linear(scene, samples=4)
 
 
-def bake_world(world: bpy.types.World, height: int, samples: int) -> np.ndarray:
-    """A world as an equirectangular environment texture: (height, 2 * height, 3), scene-linear, row 0 straight down."""
-    with empty_scene(2 * height, height) as scene:
-        scene.world = world
-        return _bake_panorama(scene, samples)
-
-
-def _bake_panorama(scene: bpy.types.Scene, samples: int) -> np.ndarray:
-    """The panorama around the camera of a temporary scene, laid out as in `bake_world`."""
+def bake_panorama(scene: Scene, samples: int) -> np.ndarray:
+    """The surroundings of a temporary scene's camera, equirectangular: (H, 2H, 3), scene-linear, row 0 straight down."""
     camera = scene.camera
     camera.data.type = "PANO"
     target = camera.data if hasattr(camera.data, "panorama_type") else camera.data.cycles
@@ -233,7 +211,7 @@ def _bake_panorama(scene: bpy.types.Scene, samples: int) -> np.ndarray:
 
 
 @contextmanager
-def empty_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
+def empty_scene(width: int, height: int) -> Iterator[Scene]:
     """A new scene with nothing but a camera; removed after the block."""
     scene = bpy.data.scenes.new("Vibe Bake")
     data = bpy.data.cameras.new("Vibe Bake")
@@ -247,35 +225,30 @@ def empty_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
 
 
 def mean_light_factor(light: Object, pivot: Vector) -> tuple[float, float, float]:
-    """The mean factor (red, green, blue) by which a light's nodes (IES, gobos) change its light toward the pivot.
-
-    It is the ratio of two renders of a ball around the light, with and without the nodes. The ball's radius is the
-    distance to the pivot, or 1 for a sun. The color of a Blackbody node is left out.
-    """
+    """The mean factor (red, green, blue) by which a light's nodes (IES, gobos; no Blackbody) change it toward the pivot."""
+    # The ratio of two renders of a ball around the light, with and without the nodes. Its radius is that of the pivot's
+    # distance, or 1 for a sun.
     endless = not type_of(light).has_position
     way = pivot - light.matrix_world.translation
     toward = -light.matrix_world.col[2].xyz if endless else way
     with _lit_ball(light, 1.0 if endless else max(way.length, 1e-3)) as (scene, data):
         light_nodes.whiten(data)
-        with_nodes = _bake_panorama(scene, _FACTOR_SAMPLES)
+        with_nodes = bake_panorama(scene, _FACTOR_SAMPLES)
         light_nodes.flatten(data)
-        without_nodes = _bake_panorama(scene, _FACTOR_SAMPLES)
-    weight = _weights(toward.normalized())
+        without_nodes = bake_panorama(scene, _FACTOR_SAMPLES)
+    # The weight of each texel of a panorama, (H, 2H, 1): solid angle times the cosine to the pivot, at least 0.
+    elevation = ((np.arange(_FACTOR_HEIGHT) + 0.5) / _FACTOR_HEIGHT - 0.5) * math.pi
+    azimuth = (0.5 - (np.arange(2 * _FACTOR_HEIGHT) + 0.5) / (2 * _FACTOR_HEIGHT)) * 2 * math.pi
+    across = np.cos(elevation)[:, None]
+    x, y, z = across * np.cos(azimuth), across * np.sin(azimuth), np.sin(elevation)[:, None]
+    toward = toward.normalized()
+    weight = (across * np.maximum(x * toward.x + y * toward.y + z * toward.z, 0.0))[..., None]
     total = (without_nodes * weight).sum((0, 1))
     if total.max() <= 0.0:  # the light shines away from the subject: count all directions
         weight = np.ones_like(weight)
         total = (without_nodes * weight).sum((0, 1))
     red, green, blue = ((with_nodes * weight).sum((0, 1)) / np.maximum(total, 1e-9)).tolist()
     return red, green, blue
-
-
-def _weights(toward: Vector) -> np.ndarray:
-    """Weight of each texel of a panorama: solid angle times the cosine to a unit vector, at least 0; (H, 2H, 1)."""
-    elevation = ((np.arange(_FACTOR_HEIGHT) + 0.5) / _FACTOR_HEIGHT - 0.5) * math.pi
-    azimuth = (0.5 - (np.arange(2 * _FACTOR_HEIGHT) + 0.5) / (2 * _FACTOR_HEIGHT)) * 2 * math.pi
-    across = np.cos(elevation)[:, None]
-    x, y, z = across * np.cos(azimuth), across * np.sin(azimuth), np.sin(elevation)[:, None]
-    return (across * np.maximum(x * toward.x + y * toward.y + z * toward.z, 0.0))[..., None]
 
 
 @contextmanager
@@ -287,7 +260,7 @@ def _lit_ball(light: Object, radius: float) -> Iterator[tuple[Scene, Light]]:
     shape.to_mesh(mesh)
     shape.free()
     lamp, ball = bpy.data.objects.new("Vibe Bake", data), bpy.data.objects.new("Vibe Bake", mesh)
-    data.energy, data.color, data.use_temperature = _WATTS, (1.0, 1.0, 1.0), False
+    data.energy, data.color, data.use_temperature = 1000.0, (1.0, 1.0, 1.0), False
     lamp.visible_camera = ball.visible_shadow = False
     matrix = light.matrix_world.copy()
     matrix.translation = (0.0, 0.0, 0.0)

@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
 import numpy as np
+from bpy.types import Object, Scene
 
 from ..core import rendered
 from ..core.compat import assign, changed
@@ -19,125 +20,80 @@ from ..scene.copies import copied_scene
 from . import bake, light_groups
 from .light_groups import LightLayer
 
-_NOISE = 0.05
-"""Noise of a pixel below which adaptive sampling stops; the denoiser removes the rest."""
-
-_MASK_SAMPLES = 16
-
-_BLACKEST = 0.02  # share of white, as stored: an image without a brighter pixel is black
-
 
 def render_picture(
-    scene: bpy.types.Scene,
-    path: Path,
-    size: int,
-    samples: int,
-    seed: int = 0,
-    exact: bool = False,
-    lights: Path | None = None,
+    scene: Scene, path: Path, size: int, samples: int, seed: int = 0, exact: bool = False, lights: Path | None = None
 ) -> list[LightLayer]:
     """Renders the current frame with Cycles on the CPU, compositor and view transform included, to a PNG.
 
-    The file appears whole or not at all; a VibeError says why it cannot be written.
+    The file appears whole or not at all; a VibeError says why it cannot be written. `size` is the longer side in pixels,
+    `samples` the maximum for a pixel. An `exact` render has no adaptive sampling and no denoising: for measurements.
 
-    Args:
-        size: Longer side of the image, pixels; the scene's aspect is kept.
-        samples: Maximum number of samples per pixel.
-        exact: Without adaptive sampling and denoising: for measurements.
-        lights: Path of a multilayer EXR for the light layers of the same render: scene-linear, noisy, before compositor
-            and exposure.
-
-    Returns:
-        The light layers in the EXR, each named as its light group; empty without `lights`.
+    With `lights`, the light layers of the render are returned, named as their light groups, and written to this
+    multilayer EXR: scene-linear, noisy, before compositor and exposure.
     """
-    layers: list[LightLayer] = []
     with copied_scene(scene, graded=True) as twin:
-        _set_up(twin, size, samples, seed)
+        set_up(twin, size, samples, seed)
         if exact:
             assign(twin.cycles, use_adaptive_sampling=False, use_denoising=False)
         mode = "RGBA" if scene.render.film_transparent else "RGB"
         if lights is None:
             bake.render_file(twin, path, bake.png(mode))
-            return layers
+            return []
         layer = rendered.layer(twin)
         layer.cycles.denoising_store_passes = twin.cycles.use_denoising
-        with light_groups.apart(scene, layer) as layers:
+        layers = light_groups.light_layers(scene)
+        own, new = ([each for each in layers if each.own == mine] for mine in (True, False))
+        with light_groups.grouped(layer, [(each.name, each.members) for each in new]) as names:
             bake.render_file(twin, lights, {**bake.LAYERS, "exr_codec": "ZIP"})
         assign(twin.render.image_settings, **bake.png(mode))
         with whole(path) as part:
             bpy.data.images["Render Result"].save_render(str(part), scene=twin)
-    return layers
+    return own + [replace(each, name=name) for name, each in zip(names, new, strict=True)]
 
 
-def render_final(scene: bpy.types.Scene, path: Path) -> None:
+def render_final(scene: Scene, path: Path) -> None:
     """Renders the current frame to a PNG with the scene's own settings, but with Cycles; see `render_picture`."""
     own = {name: getattr(scene.render, name) for name in ("use_sequencer", "use_border", "use_multiview")}
     with copied_scene(scene, graded=True, engine="CYCLES", **own) as twin:
         bake.render_file(twin, path, bake.png("RGBA" if scene.render.film_transparent else "RGB"))
 
 
-def render_layers(
-    twin: bpy.types.Scene, layer: bpy.types.ViewLayer, path: Path, size: int, samples: int, seed: int
-) -> None:
-    """Renders one view layer as `render_picture` does; writes all its passes to a compressed 32-bit float EXR."""
-    _set_up(twin, size, samples, seed)
-    bake.render_file(twin, path, {**bake.LAYERS, "exr_codec": "ZIP"}, layer=layer.name)
-
-
-def render_mask(scene: bpy.types.Scene, path: Path, size: int, subject: Iterable[bpy.types.Object]) -> None:
-    """Renders a gray PNG: the share of each pixel that the subject covers, white for all of it.
-
-    Objects in front of the subject hide it; fog and the grade do not. `size` is the longer side in pixels.
-    """
+def render_mask(scene: Scene, path: Path, size: int, subject: Iterable[Object]) -> None:
+    """Renders a gray PNG of `size` pixels: the share of each pixel that the subject covers, white for all of it."""
     theirs = {o.name_full for o in subject}
     with ExitStack() as stack:
         twin = stack.enter_context(copied_scene(scene, film_transparent=True))
-        _set_up(twin, size, _MASK_SAMPLES, 0)
+        set_up(twin, size, 16, 0)
         assign(twin.cycles, use_denoising=False, max_bounces=0)
         rendered.set_world(twin, None)
-        for thing in scene.objects:
+        for thing in scene.objects:  # objects in front of the subject hide it, fog does not
             holdout = thing.name_full not in theirs and thing.type not in ("LIGHT", "CAMERA")
             hiding = {"hide_render": True} if is_fog(thing) else {"is_holdout": holdout}
             stack.enter_context(changed(thing, **hiding))
-        with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
-            colors = Path(folder) / path.name
-            bake.render_file(twin, colors, bake.png("RGBA"))
-            _save(np.repeat(bake.read_file(colors)[..., 3:], 3, axis=2), path)
+        _save(np.repeat(bake.render_pixels(twin, bake.png("RGBA"))[..., 3:], 3, axis=2), path)
 
 
-def _set_up(twin: bpy.types.Scene, size: int, samples: int, seed: int) -> None:
+def set_up(twin: Scene, size: int, samples: int, seed: int) -> None:
+    """Sets a copied scene up for Cycles on the CPU; `size` is the longer side in pixels."""
     import _cycles  # type: ignore[import-not-found]  # exists once the Cycles add-on is enabled
 
+    render, cycles = twin.render, twin.cycles
+    factor = size / max(render.resolution_x, render.resolution_y)
+    width, height = (max(1, round(side * factor)) for side in (render.resolution_x, render.resolution_y))
+    assign(render, engine="CYCLES", resolution_x=width, resolution_y=height, resolution_percentage=100)
+    assign(cycles, device="CPU", samples=samples, time_limit=0.0, seed=seed, use_animated_seed=False)
+    # Adaptive sampling leaves some noise, which the denoiser removes.
+    assign(cycles, use_adaptive_sampling=True, adaptive_threshold=0.05, adaptive_min_samples=min(16, samples))
+    # FAST saves a fifth of the time without a visible difference, except in fog, where albedo and normals are noisy
+    prefilter = "ACCURATE" if any(map(is_fog, twin.objects)) else "FAST"
     denoises = bool(getattr(_cycles, "with_openimagedenoise", False))
-    render = twin.render
-    width, height = render.resolution_x, render.resolution_y
-    factor = size / max(width, height)
-    assign(
-        render,
-        engine="CYCLES",
-        resolution_x=max(1, round(width * factor)),
-        resolution_y=max(1, round(height * factor)),
-        resolution_percentage=100,
-    )
-    assign(
-        twin.cycles,
-        device="CPU",
-        samples=samples,
-        seed=seed,
-        use_animated_seed=False,
-        use_adaptive_sampling=True,
-        adaptive_threshold=_NOISE,
-        adaptive_min_samples=min(16, samples),
-        use_denoising=denoises,
-        # FAST saves a fifth of the time without a visible difference, except in fog, where albedo and normals are noisy
-        denoising_prefilter="ACCURATE" if any(map(is_fog, twin.objects)) else "FAST",
-        time_limit=0.0,
-    )
+    assign(cycles, use_denoising=denoises, denoising_prefilter=prefilter)
     if denoises:
-        twin.cycles.denoiser = "OPENIMAGEDENOISE"
+        cycles.denoiser = "OPENIMAGEDENOISE"
 
 
-def is_fog(thing: bpy.types.Object) -> bool:
+def is_fog(thing: Object) -> bool:
     """True for a volume, and for an object that has materials, but none with a surface."""
     slots = [slot.material for slot in thing.material_slots if slot.material]
     return thing.type == "VOLUME" or (bool(slots) and not any(rendered.has_surface(m) for m in slots))
@@ -159,5 +115,5 @@ def _save(pixels: np.ndarray, path: Path) -> None:
 
 
 def is_black(picture: Path) -> bool:
-    """True if every pixel of an image is black."""
-    return bool(bake.read_file(picture)[..., :3].max() < _BLACKEST)
+    """True if every pixel of an image is black, or nearly: below 2 % of white, as stored."""
+    return bool(bake.read_file(picture)[..., :3].max() < 0.02)

@@ -10,28 +10,25 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
 import numpy as np
-from bpy.types import ID, Image, Node, NodeTree, Object, Scene, ViewLayer
+from bpy.types import ID, Image, Material, Node, NodeTree, Object, Scene, ViewLayer
 
 from ..core import compat, rendered
 from ..core.compat import changed
 from ..core.journal import Journal
 from ..core.temporary import temporary
+from ..scene import snapshot
 from ..scene.copies import copied_scene
 from ..scene.nodes import mix
 from ..scene.nodes.layers import emitted_radiance
 from ..scene.nodes.owned import is_unseen
 from . import bake
 
-MOST = 12
-"""Maximum number of layers for lights: more sliders are hard to use, and each layer takes memory."""
-_LITTLE = 1e-3
-"""Share of all light: if less than this is in no layer, it counts as a rounding error, not as light."""
-_LINEAR = {**bake.LINEAR, "color_mode": "RGBA"}
+MOST = 12  # maximum number of layers for lights: more sliders are hard to use, and each layer takes memory
 WORLD, EMISSION, REST = "World", "Emission", "Other Lights"
 
 
@@ -46,11 +43,7 @@ class LightLayer:
 
 
 def light_layers(scene: Scene) -> list[LightLayer]:
-    """The layers of a scene: the artist's light groups, then the other lights, the world and all emitting materials.
-
-    Lights that share their data are in one layer. If this gives more than `MOST` layers of lights, numbered copies
-    ("Bulb", "Bulb.001") share a layer. If there are still more, the faintest lights share one.
-    """
+    """The layers of a scene: the artist's light groups, then the other lights, the world and all emitting materials."""
     layer = rendered.layer(scene)
     layer.update()  # so that objects that were added just now are in it
     world = rendered.world(scene)
@@ -91,7 +84,7 @@ def sharing_data(lights: Iterable[Object]) -> dict[str, list[Object]]:
 
 def _glowing(scene: Scene) -> list[Object]:
     of = rendered.layer(scene)
-    emits: dict[bpy.types.Material, float] = {}
+    emits: dict[Material, float] = {}
     found: dict[Object, bool] = {}
     for thing, _, _ in rendered.instances(scene):
         if thing.type not in rendered.GEOMETRY or thing.original in found:
@@ -103,6 +96,7 @@ def _glowing(scene: Scene) -> list[Object]:
 
 
 def _few(lights: Sequence[Object]) -> dict[str, list[Object]]:
+    """At most `MOST` groups of lights: if needed, numbered copies ("Bulb", "Bulb.001") share one, then the faintest."""
     groups = sharing_data(lights)
     if len(groups) <= MOST:
         return groups
@@ -136,32 +130,22 @@ def grouped(layer: ViewLayer, groups: Iterable[tuple[str, Sequence[ID]]]) -> Ite
         yield names
 
 
-@contextmanager
-def apart(scene: Scene, layer: ViewLayer) -> Iterator[list[LightLayer]]:
-    """Gives each light layer a group in a copy's view layer for the block; yields the layers, named as the groups."""
-    layers = light_layers(scene)
-    new = [each for each in layers if not each.own]
-    with grouped(layer, [(each.name, each.members) for each in new]) as names:
-        own = [each for each in layers if each.own]
-        yield own + [replace(each, name=name) for name, each in zip(names, new, strict=True)]
-
-
 class LightMix:
     """The light layers of a render, in memory. If all factors are 1, the mix is the render.
 
-    Attributes:
-        layers: Name of the light group to its light: (H, W, 3) float32, scene-linear, row 0 at the bottom,
-            denoised if the render is.
-        rest: (H, W, 4) float32: the light that is in no layer, and the alpha of the image.
+    `layers` are by light group (H, W, 3) float32, scene-linear, row 0 at the bottom, denoised if the render is; `rest`
+    (H, W, 4) is the light that is in no layer, and the alpha of the image.
     """
 
     def __init__(self, path: Path, view_layer: str, names: Sequence[str], size: tuple[int, int]) -> None:
         """Reads light groups from an EXR of `render_picture`, which `write` reads again; `size` is width and height."""
         self._path = path
         self.layers: dict[str, np.ndarray] = {}
-        with _opened(path, size) as (scene, image):
-            tree = compat.compositor(scene)
-            assert tree
+        passes = temporary(bpy.data.images.load(str(path)))
+        with bake.empty_scene(*size) as scene, passes as image, snapshot.undone(scene) as journal:
+            tree = compat.start_compositor(journal, scene)
+            for node in [n for n in tree.nodes if n.bl_idname == "CompositorNodeRLayers"]:
+                tree.nodes.remove(node)
             source = _image_node(tree, image, view_layer)
             denoised = "Noisy Image" in source.outputs
             whole = _rendered(scene, source, "Combined")
@@ -172,7 +156,9 @@ class LightMix:
                 self.layers[name] = _rendered(scene, source, mix.PASS + name, denoised)[..., :3]
         self.rest = whole
         total = np.sum([*self.layers.values(), np.zeros_like(unnamed)], 0)
-        if np.abs(unnamed).sum() < _LITTLE * np.abs(noisy[..., :3]).sum():
+        if (
+            np.abs(unnamed).sum() < 1e-3 * np.abs(noisy[..., :3]).sum()
+        ):  # less is a rounding error, not light in no layer
             # Each layer is denoised alone, so their sum differs a little from the denoised image: scale it to the image.
             share = np.divide(whole[..., :3], total, out=np.ones_like(total), where=total > 1e-6)
             for layer in self.layers.values():
@@ -188,30 +174,25 @@ class LightMix:
         return np.maximum(image, 0.0, out=image)
 
     def write(self, scene: Scene, path: Path, factors: Mapping[str, Sequence[float]]) -> None:
-        """Writes the mix as a PNG, through the scene's compositor and view transform, without a new render.
-
-        Other passes that the compositor uses come from the EXR. A Vibe Light Mix node in it is muted.
-        """
+        """Writes the mix as a PNG, through the scene's compositor and view transform, without a new render."""
         height, width, _ = self.rest.shape
         image = bpy.data.images.new("Vibe Mix", width, height, alpha=True, float_buffer=True, is_data=True)
-        size = {"resolution_x": width, "resolution_y": height, "resolution_percentage": 100}
         journal = Journal()
         passes = bpy.data.images.load(str(self._path))
-        with temporary(image, passes), copied_scene(scene, graded=True, **size) as twin:
+        blocks = temporary(image, passes)
+        with blocks, copied_scene(scene, graded=True, size=(width, height)) as twin, ExitStack() as stack:
+            stack.callback(journal.undo)
             image.pixels.foreach_set(self.mixed(factors).ravel())
-            try:
-                tree = compat.compositor(twin) or compat.start_compositor(journal, twin)
-                _feed(tree, image, passes, rendered.layer(scene).name)
-                bake.render_file(twin, path, bake.png("RGBA"))
-            finally:
-                journal.undo()
+            tree = compat.compositor(twin) or compat.start_compositor(journal, twin)
+            _feed(tree, image, passes, rendered.layer(scene).name)
+            bake.render_file(twin, path, bake.png("RGBA"))
 
 
 def _feed(tree: NodeTree, image: Image, passes: Image, first: str) -> None:
     """Replaces Render Layers nodes: the image of the layer `first` by `image`, other passes by those of `passes`."""
     for node in list(tree.nodes):
         if node.type == "GROUP" and node.node_tree:
-            node.mute = node.mute or node.node_tree.get(rendered.MARK) == mix.NAME
+            node.mute = node.mute or node.node_tree.get(rendered.MARK) == mix.NAME  # `image` is mixed already
             _feed(node.node_tree, image, passes, first)
         if node.bl_idname != "CompositorNodeRLayers":
             continue
@@ -234,20 +215,6 @@ def _image_node(tree: NodeTree, image: Image, view_layer: str = "") -> Node:
     return node
 
 
-@contextmanager
-def _opened(path: Path, size: tuple[int, int]) -> Iterator[tuple[Scene, Image]]:
-    """A temporary scene whose compositor has no Render Layers, and an image of a file; removed after the block."""
-    journal = Journal()
-    with bake.empty_scene(*size) as scene, temporary(bpy.data.images.load(str(path))) as image:
-        try:
-            tree = compat.start_compositor(journal, scene)
-            for node in [n for n in tree.nodes if n.bl_idname == "CompositorNodeRLayers"]:
-                tree.nodes.remove(node)
-            yield scene, image
-        finally:
-            journal.undo()
-
-
 def _rendered(scene: Scene, source: Node, name: str, denoised: bool = False) -> np.ndarray:
     """A pass of an Image node, denoised if requested: (H, W, 4) float32, row 0 at the bottom."""
     tree = source.id_data
@@ -260,9 +227,4 @@ def _rendered(scene: Scene, source: Node, name: str, denoised: bool = False) -> 
         tree.links.new(output, node.inputs["Image"])
         output = node.outputs[0]
     tree.links.new(output, target)
-    path = Path(bpy.app.tempdir) / "vibe-pass.exr"
-    try:
-        bake.render_file(scene, path, _LINEAR)
-        return bake.read_file(path)
-    finally:
-        path.unlink(missing_ok=True)
+    return bake.render_pixels(scene, {**bake.LINEAR, "color_mode": "RGBA"})

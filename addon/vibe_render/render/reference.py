@@ -9,6 +9,7 @@ from typing import Any
 
 import bpy
 import numpy as np
+from bpy.types import Image, Scene
 
 from ..core.compat import changed
 from ..core.schema_import import schema
@@ -42,11 +43,8 @@ def picture_obstacle(settings: Any) -> str:
     return ""
 
 
-def picture_path(scene: bpy.types.Scene, folder: Path) -> str:
-    """The path of the reference image; "" if none is chosen.
-
-    An image of the .blend or a render slot is first saved to the folder. Raises VibeError if it is missing.
-    """
+def picture_path(scene: Scene, folder: Path) -> str:
+    """The path of the reference image, saved to the folder if it is no file; "" if none is chosen, VibeError if missing."""
     settings = scene.vibe
     if not picture_name(settings):
         return ""
@@ -64,7 +62,7 @@ def _absolute(path: str) -> str:
     return os.path.abspath(bpy.path.abspath(os.path.expanduser(path)))
 
 
-def _save_image(image: bpy.types.Image, folder: Path) -> Path:
+def _save_image(image: Image, folder: Path) -> Path:
     """Saves an image's pixels as Blender has them, also painted or packed ones: floats as EXR, bytes as PNG."""
     width, height = image.size
     if width * height == 0:  # `size` reads the file; it is 0 if that fails
@@ -74,8 +72,7 @@ def _save_image(image: bpy.types.Image, folder: Path) -> Path:
     if image.channels < 3:
         rgba[:, :3] = rgba[:, :1]
     path = folder / f"{_NAME}.{'exr' if image.is_float else 'png'}"
-    copy = bpy.data.images.new(_NAME, width, height, alpha=True, float_buffer=image.is_float)
-    with temporary(copy):
+    with temporary(bpy.data.images.new(_NAME, width, height, alpha=True, float_buffer=image.is_float)) as copy:
         copy.alpha_mode = image.alpha_mode
         # Without a color space, numbers are saved unchanged: linear for floats, encoded for bytes.
         copy.colorspace_settings.is_data = True
@@ -86,7 +83,7 @@ def _save_image(image: bpy.types.Image, folder: Path) -> Path:
     return path
 
 
-def _save_slot(scene: bpy.types.Scene, slot: int, folder: Path) -> Path:
+def _save_slot(scene: Scene, slot: int, folder: Path) -> Path:
     """Saves the render in a slot, with the scene's view transform, as a PNG."""
     result = _render_result()
     assert result is not None
@@ -106,5 +103,5 @@ def _save_slot(scene: bpy.types.Scene, slot: int, folder: Path) -> Path:
     return path
 
 
-def _render_result() -> bpy.types.Image | None:
+def _render_result() -> Image | None:
     return next((image for image in bpy.data.images if image.type == "RENDER_RESULT"), None)

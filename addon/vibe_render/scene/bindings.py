@@ -22,6 +22,9 @@ from . import locators as at
 from .light_types import type_of
 from .nodes import backgrounds
 from .nodes.backgrounds import BACKDROP, LIGHT
+from .nodes.grade import graded
+
+_ByKey = Mapping[str, Sequence[float]]  # values by the keys of their parameters
 
 
 @dataclass(frozen=True)
@@ -98,8 +101,8 @@ BINDINGS: tuple[ParameterBinding, ...] = (
     _row("material/coat_roughness", at.coat_roughness),
     _row("material/sheen",          partial(at.shader, "Sheen Weight")),
     _row("material/transmission",   partial(at.shader, "Transmission Weight")),
-    _row("material/emission_color", at.glow_color,                                COLOR),
-    _row("material/emission",       at.glow_strength),
+    _row("material/emission_color", partial(at.glow, "Color"),                    COLOR),
+    _row("material/emission",       partial(at.glow, "Strength")),
 
     _row("volume/density",          partial(at.volume, "Density")),
     _row("volume/color",            partial(at.volume, "Color"),                  COLOR),
@@ -109,16 +112,16 @@ BINDINGS: tuple[ParameterBinding, ...] = (
 
     _row("film/exposure",           partial(at.view, "exposure")),
     _row("film/gamma",              partial(at.view, "gamma")),
-    _row("film/grade_exposure",     partial(at.graded, "Exposure")),
-    _row("film/lift",               partial(at.graded, "Lift"),                   COLOR),
-    _row("film/midtone",            partial(at.graded, "Midtone"),                COLOR),
-    _row("film/gain",               partial(at.graded, "Gain"),                   COLOR),
-    _row("film/contrast",           partial(at.graded, "Contrast")),
-    _row("film/saturation",         partial(at.graded, "Saturation")),
-    _row("film/hue",                partial(at.graded, "Hue"),                    DEGREES),
-    _row("film/grade_gamma",        partial(at.graded, "Gamma")),
-    _row("film/vignette",           partial(at.graded, "Vignette")),
-    _row("film/glare",              partial(at.graded, "Glare")),
+    _row("film/grade_exposure",     partial(graded, "Exposure")),
+    _row("film/lift",               partial(graded, "Lift"),                      COLOR),
+    _row("film/midtone",            partial(graded, "Midtone"),                   COLOR),
+    _row("film/gain",               partial(graded, "Gain"),                      COLOR),
+    _row("film/contrast",           partial(graded, "Contrast")),
+    _row("film/saturation",         partial(graded, "Saturation")),
+    _row("film/hue",                partial(graded, "Hue"),                       DEGREES),
+    _row("film/grade_gamma",        partial(graded, "Gamma")),
+    _row("film/vignette",           partial(graded, "Vignette")),
+    _row("film/glare",              partial(graded, "Glare")),
 )
 # fmt: on
 
@@ -145,13 +148,10 @@ def instances(
     groups: Sequence[str] = schema.GROUPS,
     everything: bool = False,
 ) -> dict[str, schema.Instance]:
-    """Every parameter that the scene has, by key, with its value, its role, and the reason if it is locked.
+    """Every parameter of some groups that the scene has, by key, with its value, its role, and the reason if it is locked.
 
-    Args:
-        subject: The objects that the image is about.
-        pivot: Center of the subject's bounding box, world space. Cameras and lights orbit it.
-        groups: The groups of the schema whose parameters are returned.
-        everything: Include materials that the camera does not see.
+    `pivot` is the center of the subject's bounding box, world space: cameras and lights orbit it. With `everything`,
+    materials that the camera does not see are included.
     """
     context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot), everything)
     lengths = scene_context.scene_lengths(context)
@@ -171,19 +171,12 @@ def read(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dic
     return found | light_links.read(scene)
 
 
-def write(
-    scene: Scene, values: Mapping[str, Sequence[float]], subject: Sequence[Object], pivot: Sequence[float]
-) -> dict[str, str]:
-    """Writes values (by key, in the schema's units) and records the changes in the snapshot; an error undoes them all.
+def write(scene: Scene, values: _ByKey, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, str]:
+    """Writes values (by key, in the schema's units), recorded in the snapshot; returns the keys not written, and why.
 
     If a key names a light of `schema.added_lights` or a copy of a material (`schema.material_copies`) that the scene
-    lacks, it is added. If values for the backdrop differ from the world's, the world gets a backdrop.
-
-    Returns:
-        The keys that were not written, each with the reason: locked, or nothing of that name in the scene.
-
-    Raises:
-        VibeError: A value has the wrong number of components, or is NaN or infinite.
+    lacks, it is added. If values for the backdrop differ from the world's, the world gets a backdrop. An error undoes all
+    changes: a VibeError if a value has the wrong number of components, or is NaN or infinite.
     """
     with snapshot.transaction(scene) as journal:
         rest = put(journal, scene, values, subject, pivot)
@@ -192,13 +185,8 @@ def write(
 
 
 @contextmanager
-def trial(
-    scene: Scene, values: Mapping[str, Sequence[float]], subject: Sequence[Object], pivot: Sequence[float]
-) -> Iterator[dict[str, str]]:
-    """Writes values for the duration of the block; afterwards the scene is exactly as it was.
-
-    Arguments and errors as for `write`; yields the keys that were not written, and why.
-    """
+def trial(scene: Scene, values: _ByKey, subject: Sequence[Object], pivot: Sequence[float]) -> Iterator[dict[str, str]]:
+    """Writes values as `write` does, for the duration of the block; afterwards the scene is exactly as it was."""
     with snapshot.undone(scene) as journal:
         rest = put(journal, scene, values, subject, pivot)
         rendered.layer(scene).update()
@@ -206,29 +194,24 @@ def trial(
 
 
 def put(
-    journal: Journal,
-    scene: Scene,
-    values: Mapping[str, Sequence[float]],
-    subject: Sequence[Object],
-    pivot: Sequence[float],
+    journal: Journal, scene: Scene, values: _ByKey, subject: Sequence[Object], pivot: Sequence[float]
 ) -> dict[str, str]:
     """Writes values as `write` does, recorded in a journal that the caller keeps or undoes."""
     for key, value in values.items():
         group, _, name = schema.split_key(key)
         parameter = schema.FAMILIES.get(f"{group}/{name}")
+        fault = "" if all(map(math.isfinite, value)) else f"is not a finite number: {tuple(value)}"
         if parameter and len(value) != parameter.components:
-            message = f"{labels.title(key)} needs {parameter.components} numbers, not {len(value)}."
-            raise schema.VibeError(message, "Correct the value.")
-        if not all(map(math.isfinite, value)):
-            message = f"{labels.title(key)} is not a finite number: {tuple(value)}."
-            raise schema.VibeError(message, "Correct the value.")
+            fault = f"needs {parameter.components} numbers, not {len(value)}"
+        if fault:
+            raise schema.VibeError(f"{labels.title(key)} {fault}.", "Correct the value.")
     if any(key in backgrounds.WORLD_OF_BACKDROP for key in values):
         world = instances(scene, subject, pivot, ("world",))
         values = backgrounds.with_backdrop(journal, rendered.world(scene), world, values)
     rest = dict.fromkeys(values, "there is nothing of that name in this scene")
-    owners = {owner for group, owner, _ in map(schema.split_key, values) if group == "light"}
-    add_lights(journal, scene, owners, subject)
-    prepare.add_copies(journal, scene, {o for group, o, _ in map(schema.split_key, values) if group == "material"})
+    owners = [schema.split_key(key)[:2] for key in values]
+    add_lights(journal, scene, {name for group, name in owners if group == "light"}, subject)
+    prepare.add_copies(journal, scene, {name for group, name in owners if group == "material"})
     context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot), everything=True)
     for row, owner, slot in list(slots(context)):
         key = row.parameter.key(owner.name)
@@ -245,7 +228,5 @@ def add_lights(journal: Journal, scene: Scene, names: Collection[str], subject: 
     """Adds the `ADDED_LIGHTS` in `names` that the scene lacks, placed around the subject, or around all meshes without one."""
     known = schema.added_lights.ADDED_LIGHTS
     missing = [name for name in known if name in names and name not in scene.objects]
-    if not missing:
-        return []
-    corners = scene_context.bounds(scene, subject or scene_context.meshes(scene))
+    corners = scene_context.bounds(scene, subject or scene_context.meshes(scene)) if missing else ()
     return [prepare.add_light(journal, scene, name, *corners) for name in missing]

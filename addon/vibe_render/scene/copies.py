@@ -8,26 +8,22 @@ from contextlib import ExitStack, contextmanager
 from typing import Any, TypeVar
 
 import bpy
+from bpy.types import Depsgraph, Scene
 
 from ..core import compat, rendered
 from ..core.compat import changed
 
-_COARSE_LIGHT = {"sampling_method": "MANUAL", "sample_map_resolution": 512}
-"""A coarse importance map of the world's light. The one that Cycles chooses may take a minute for stars of noise."""
-
 T = TypeVar("T")
-_SMALL = 32  # pixels; Blender refuses fewer than 16
 
 
 @contextmanager
-def copied_scene(scene: bpy.types.Scene, graded: bool = False, **render: Any) -> Iterator[bpy.types.Scene]:
-    """A copy of the scene that shares its objects; removed after the block.
+def copied_scene(
+    scene: Scene, graded: bool = False, size: tuple[int, int] | None = None, **render: Any
+) -> Iterator[Scene]:
+    """A copy of the scene that shares its objects, with its own output, passes and render result; removed after the block.
 
-    The copy has its own output, passes and render result. Sequencer, borders and stereo are off.
-
-    Args:
-        graded: Keep the film exposure and the compositor, but let its File Output nodes write nothing.
-        **render: Settings of the copy's `render`.
+    Sequencer, borders and stereo are off; `size` are pixels, `render` has further settings. A `graded` copy keeps the film
+    exposure and the compositor, but its File Output nodes write nothing.
     """
     with ExitStack() as stack:
         twin = scene.copy()
@@ -43,33 +39,34 @@ def copied_scene(scene: bpy.types.Scene, graded: bool = False, **render: Any) ->
             twin.cycles.film_exposure = 1.0
             # Freestyle lines cost time, and crash the engine of `viewer`, which draws nothing.
             render = {"use_freestyle": False, **render}
-        settings = {"use_sequencer": False, "use_border": False, "use_multiview": False, **render}
-        for name, value in settings.items():
-            setattr(twin.render, name, value)
-        # For a world whose nodes have no environment texture, Cycles would choose a fine map of its light.
+        if size:
+            compat.assign(twin.render, resolution_x=size[0], resolution_y=size[1], resolution_percentage=100)
+        compat.assign(twin.render, **{"use_sequencer": False, "use_border": False, "use_multiview": False, **render})
+        # A coarse importance map for a world without an environment texture: the fine one that Cycles chooses may take a
+        # minute for stars of noise.
         world = rendered.world(scene)
         tree = compat.node_tree(world) if world else None
         computed = tree and all(node.bl_idname != "ShaderNodeTexEnvironment" for node in tree.nodes)
         if world and computed and world.is_editable and world.cycles.sampling_method == "AUTOMATIC":
-            stack.enter_context(changed(world.cycles, **_COARSE_LIGHT))
+            stack.enter_context(changed(world.cycles, sampling_method="MANUAL", sample_map_resolution=512))
         yield twin
 
 
-def evaluate_render(scene: bpy.types.Scene, read: Callable[[bpy.types.Depsgraph], T]) -> T:
+def evaluate_render(scene: Scene, read: Callable[[Depsgraph], T]) -> T:
     """Calls `read` with the dependency graph of a final render of the current frame, and returns its result.
 
     The graph has render-level modifiers and render visibility. Blender gives it only to render engines, so this function
     registers one for the call. Nothing is rendered, and nothing in the file changes.
     """
     results: list[T] = []
-    size: dict[str, Any] = {"resolution_percentage": 100, "resolution_x": _SMALL, "resolution_y": _SMALL}
-    with copied_scene(scene, **size) as twin, viewer(twin, lambda graph: results.append(read(graph))):
+    # Blender refuses fewer than 16 pixels.
+    with copied_scene(scene, size=(32, 32)) as twin, viewer(twin, lambda graph: results.append(read(graph))):
         bpy.ops.render.render(scene=twin.name, layer=rendered.layer(twin).name)
     return results[0]
 
 
 @contextmanager
-def viewer(twin: bpy.types.Scene, look: Callable[[bpy.types.Depsgraph], None]) -> Iterator[None]:
+def viewer(twin: Scene, look: Callable[[Depsgraph], None]) -> Iterator[None]:
     """Inside the block, the copied scene's render engine draws nothing and calls `look` with the graph of each render."""
     errors: list[Exception] = []
 
@@ -77,7 +74,7 @@ def viewer(twin: bpy.types.Scene, look: Callable[[bpy.types.Depsgraph], None]) -
         bl_idname = "VIBE_VIEWER"
         bl_label = "Vibe Render (export)"
 
-        def render(self, depsgraph: bpy.types.Depsgraph) -> None:
+        def render(self, depsgraph: Depsgraph) -> None:
             try:
                 look(depsgraph)
             except Exception as error:

@@ -55,7 +55,7 @@ def plan_fog_box(scene: Scene, shape: FogDomain) -> None:
 
 
 def planned_fog_box(scene: Scene) -> FogDomain | None:
-    """The box that `plan_fog_box` has set; None without one."""
+    """The box that `plan_fog_box` has set."""
     return _PLANNED.get(scene.session_uid)
 
 
@@ -77,13 +77,13 @@ def fog_domain(context: scene_context.SceneContext, eyes: Sequence[Vector] = ())
     reach, least = Vector((4.0, 4.0, 4.0)) * view, Vector((1.5, 1.5, 0.0)) * view
     camera = context.scene.camera.matrix_world.translation if context.scene.camera else context.pivot
     margin = Vector((0.25, 0.25, 0.25)) * view
-    low = _each(min, _each(max, low, context.pivot - reach), context.pivot - least, camera, *eyes) - margin
-    high = _each(max, _each(min, high, context.pivot + reach), context.pivot + least, camera, *eyes) + margin
+
+    def each(pick: Callable, *vectors: Vector) -> Vector:
+        return Vector(map(pick, *vectors))
+
+    low = each(min, each(max, low, context.pivot - reach), context.pivot - least, camera, *eyes) - margin
+    high = each(max, each(min, high, context.pivot + reach), context.pivot + least, camera, *eyes) + margin
     return FogDomain((low + high) / 2.0, (high - low) / 2.0, base)
-
-
-def _each(pick: Callable, *vectors: Vector) -> Vector:
-    return Vector([pick(parts) for parts in zip(*vectors, strict=True)])
 
 
 @dataclass
@@ -121,13 +121,11 @@ def fog_slot(context: scene_context.SceneContext, name: str) -> ValueSlot:
     shape = fog_domain(context) if name == "Density" else None
 
     def make(journal: Journal) -> ValueSlot | None:
-        if shape is None:
-            return None
-        _box(journal, context.scene, shape)
+        if shape:
+            _box(journal, context.scene, shape)
         return find_input()
 
-    existing = find_input()
-    return existing or LazySlot(find_input, make, _INPUTS[name][0])
+    return find_input() or LazySlot(find_input, make, _INPUTS[name][0])
 
 
 def _box(journal: Journal, scene: Scene, shape: FogDomain) -> None:

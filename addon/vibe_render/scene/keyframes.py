@@ -36,7 +36,12 @@ def add(scene: Scene, tracks: Sequence[Track]) -> list[str]:
                 continue
             # Recorded before the curve: undo runs backward, so it restores the stored value after removing the curve.
             journal.set(track.owner, track.name, getattr(track.owner, track.name))
-            _write(journal, track)
+            curve = journal.curve(track.owner, track.name, track.index)
+            curve.keyframe_points.add(len(track.values))
+            for point, (frame, value) in zip(curve.keyframe_points, track.values.items(), strict=True):
+                point.co = frame, value
+                point.interpolation = "CONSTANT" if isinstance(value, bool) else "LINEAR"
+            curve.update()
     except BaseException:
         journal.undo()
         raise
@@ -56,15 +61,6 @@ def obstacle(block: ID) -> str:
         return f'its action "{action.name}" has no slot'
     others = [user.name for user in data.action_slot.users() if user != block]
     return f'it shares its action with "{others[0]}"' if others else ""
-
-
-def _write(journal: Journal, track: Track) -> None:
-    curve = journal.curve(track.owner, track.name, track.index)
-    curve.keyframe_points.add(len(track.values))
-    for point, (frame, value) in zip(curve.keyframe_points, track.values.items(), strict=True):
-        point.co = frame, value
-        point.interpolation = "CONSTANT" if isinstance(value, bool) else "LINEAR"
-    curve.update()
 
 
 def exist(scene: Scene) -> bool:

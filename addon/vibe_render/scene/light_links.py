@@ -45,47 +45,35 @@ def put(journal: Journal, scene: Scene, values: Mapping[str, Sequence[float]]) -
             wanted.setdefault(light, {})[key] = schema.light_links.is_on(value)
         elif link:
             rest[key] = "it is linked from a library" if light else "there is no such light in this scene"
-    for light, keys in wanted.items():
-        _link(journal, scene, light, keys)
+    for light, switched in wanted.items():
+        now = light.light_linking.receiver_collection
+        ours = now if now and _LINKS in now else None
+        before = ours.get(_BEFORE) if ours else now
+        old = list(ours[_LINKS]) if ours else []
+        new = [key for key in old if switched.get(key, True)]
+        new += [key for key, on in switched.items() if on and key not in new]
+        if new != old:
+            receivers = _receivers(journal, scene, light, before, new) if new else before
+            journal.set(light.light_linking, "receiver_collection", receivers)
     return rest
 
 
-def _link(journal: Journal, scene: Scene, light: Object, wanted: Mapping[str, bool]) -> None:
-    """Switches links of one light on or off; `wanted` has the state of each by key."""
-    now = light.light_linking.receiver_collection
-    ours = now if now and _LINKS in now else None
-    before = ours.get(_BEFORE) if ours else now
-    old = list(ours[_LINKS]) if ours else []
-    new = [key for key in old if wanted.get(key, True)]
-    new += [key for key, on in wanted.items() if on and key not in new]
-    if new == old:
-        return
-    receivers = before
-    if new:
-        name = f"Vibe Receivers of {light.name}"
-        receivers = owned.new(journal, "collections", name, role="Vibe Receivers")
-        receivers[_LINKS] = new
-        if before:
-            receivers[_BEFORE] = before
-        _fill(receivers, _linked(scene, new, states(before)))
-    journal.set(light.light_linking, "receiver_collection", receivers)
-
-
-def _linked(scene: Scene, keys: Sequence[str], found: States) -> States:
-    """The receivers in `found` after the links of `keys` have changed them, one after the other."""
+def _receivers(journal: Journal, scene: Scene, light: Object, before: Collection | None, keys: list[str]) -> Collection:
+    """A new receiver collection: the artist's one (`before`), changed by one link after the other."""
+    receivers = owned.new(journal, "collections", f"Vibe Receivers of {light.name}", role="Vibe Receivers")
+    receivers[_LINKS] = keys
+    if before:
+        receivers[_BEFORE] = before
+    found = states(before)
     for link in filter(None, map(schema.light_links.link_of, keys)):
         named = {scene.objects[name] for name in link.objects if name in scene.objects}
         if link.only:
             found = {"INCLUDE": named, "EXCLUDE": set()}
         else:
             found = {"INCLUDE": found["INCLUDE"] - named, "EXCLUDE": found["EXCLUDE"] | named}
-    return found
-
-
-def _fill(receivers: Collection, found: States) -> None:
-    """Adds objects to a new receiver collection, each with its link state."""
     by_object = {obj: state for state, objects in found.items() for obj in objects}
     for obj in sorted(by_object, key=lambda each: each.name_full):
         receivers.objects.link(obj)
     for obj, row in zip(receivers.objects, receivers.collection_objects, strict=True):
         row.light_linking.link_state = by_object[obj]
+    return receivers

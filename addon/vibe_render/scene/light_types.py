@@ -15,7 +15,6 @@ from ..core.journal import Journal
 from ..core.value_slots import PropertySlot, ValueSlot
 
 _TWO_SIDES = ("RECTANGLE", "ELLIPSE")
-_ROUND = 0.01  # relative difference of a spot's x and y scale up to which its cone counts as round
 
 
 @dataclass(frozen=True)
@@ -34,34 +33,22 @@ SIZE = LightExtent(
     lambda angle: 2 * math.tan(math.radians(min(angle, 170.0)) / 2),
 )
 """The size of a light that has a position."""
-ANGLE = LightExtent("angle", float, float)
-"""The angular diameter of a light at infinity."""
+ANGLE = LightExtent("angle", float, float)  # the angular diameter of a light at infinity
 EXTENTS = (SIZE, ANGLE)
 
 
 @dataclass(frozen=True)
 class LightType:
-    """What differs between the lights of Blender.
+    """What differs between the lights of Blender."""
 
-    Attributes:
-        name: Blender's name: the `type` of the light's data-block.
-        extent_property: The property of the data-block that holds the extent.
-        energy: The schema's name of its energy: "power" (W) or "strength" (W/m²).
-        extent: The schema's measure of its size. For an area light, one value scales both sides.
-        has_position: False for lights at infinity, which have only a direction.
-    """
-
-    name: str
-    extent_property: str
-    energy: str = "power"
-    extent: LightExtent = SIZE
-    has_position: bool = True
+    name: str  # Blender's name: the `type` of the light's data-block
+    extent_property: str  # of the data-block; it holds the extent
+    energy: str = "power"  # the schema's name of its energy: "power" (W) or "strength" (W/m²)
+    extent: LightExtent = SIZE  # the schema's measure of its size; for an area light, one value scales both sides
+    has_position: bool = True  # False for lights at infinity, which have only a direction
 
     def offset(self, obj: Object, pivot: Vector, rotation: Matrix) -> Vector:
-        """A world-space vector from the pivot to the light, or for a light at infinity, opposite to its rays.
-
-        `rotation` is the light's rotation in the world, 3x3.
-        """
+        """A vector from the pivot to a light with a 3x3 rotation; for one at infinity, opposite to its rays; world space."""
         return obj.matrix_world.translation - pivot if self.has_position else rotation.col[2]
 
     def extent_slot(self, light: Light, locked: str) -> ValueSlot:
@@ -72,13 +59,10 @@ class LightType:
 
 
 LIGHT_TYPES = {
-    each.name: each
-    for each in (
-        LightType("POINT", "shadow_soft_size"),
-        LightType("SPOT", "shadow_soft_size"),
-        LightType("AREA", "size"),
-        LightType("SUN", "angle", "strength", ANGLE, has_position=False),
-    )
+    "POINT": LightType("POINT", "shadow_soft_size"),
+    "SPOT": LightType("SPOT", "shadow_soft_size"),
+    "AREA": LightType("AREA", "size"),
+    "SUN": LightType("SUN", "angle", "strength", ANGLE, has_position=False),
 }
 """Every type, by Blender's name."""
 
@@ -114,9 +98,9 @@ def exported(obj: Object) -> dict[str, Any]:
 
 
 def has_uneven_cone(obj: Object) -> bool:
-    """True for a spot whose scale makes its cone elliptical."""
+    """True for a spot whose scale makes its cone elliptical: x and y differ by more than 1 %."""
     scale = obj.matrix_world.to_scale()
-    return obj.data.type == "SPOT" and abs(scale.x - scale.y) > _ROUND * abs(scale.x)
+    return obj.data.type == "SPOT" and abs(scale.x - scale.y) > 0.01 * abs(scale.x)
 
 
 def type_of(obj: Object) -> LightType:

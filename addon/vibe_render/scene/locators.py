@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -11,17 +12,37 @@ from bpy.types import Material, Object, Scene, World
 
 from ..core import compat, locks, rendered
 from ..core.journal import Journal
-from ..core.value_slots import DerivedSlot, PropertySlot, ValueSlot, together
+from ..core.value_slots import DerivedSlot, PropertySlot, ValueSlot, same, together
 from . import fog
 from .light_types import type_of
-from .nodes import backgrounds, grade, inputs, layers, light_nodes, trails
+from .nodes import backgrounds, inputs, layers, light_nodes, trails
 from .nodes.backgrounds import BACKDROP, LIGHT
 from .nodes.inputs import FACTOR, HORIZON, TINT, Inset
 from .nodes.trails import NodeEntry
-from .orbits import OrbitSlot, Pose
+from .orbits import Pose
 from .scene_context import SceneContext
 
 Locator = Callable[[SceneContext, Any], ValueSlot | None]
+
+
+@dataclass
+class _OrbitSlot:
+    """Value slot: a coordinate of a pose, degrees or meters. The slots of one object share its pose."""
+
+    pose: Pose
+    name: str
+
+    @property
+    def locked(self) -> str:
+        return locks.of_pose(self.pose.obj)
+
+    def get(self) -> float:
+        return getattr(self.pose, self.name)
+
+    def set(self, journal: Journal, raw: float) -> None:
+        if not same(raw, self.get()):
+            setattr(self.pose, self.name, raw)
+            self.pose.apply(journal)
 
 
 def orbit(name: str, context: SceneContext, obj: Object) -> ValueSlot | None:
@@ -30,7 +51,7 @@ def orbit(name: str, context: SceneContext, obj: Object) -> ValueSlot | None:
         return None
     if obj not in context.poses:
         context.poses[obj] = Pose.of(obj, context.pivot)
-    return OrbitSlot(context.poses[obj], name)
+    return _OrbitSlot(context.poses[obj], name)
 
 
 def lens(context: SceneContext, obj: Object) -> ValueSlot | None:
@@ -89,17 +110,16 @@ def shader(name: str, context: SceneContext, material: Material) -> ValueSlot | 
     return inputs.input_slot(lambda: layers.entry(material, name))
 
 
-def _scaled(color: tuple[float, ...], strongest: float) -> tuple[float, ...]:
-    """A color (RGB or RGBA) scaled so that its greatest component is `strongest`, as RGB; gray in place of black."""
-    before = max(color[:3])
-    return tuple(strongest * c / before if before else strongest for c in color[:3])
-
-
 def coat_weight(context: SceneContext, material: Material) -> ValueSlot | None:
     """The weight of a coat: the shader's input, else the greatest color component of a metal's lacquer (`lacquer_over`)."""
+
+    def scaled(color: tuple[float, ...], strongest: float) -> tuple[float, ...]:
+        before = max(color[:3])
+        return tuple(strongest * c / before if before else strongest for c in color[:3])  # black becomes gray
+
     color = inputs.input_slot(partial(layers.lacquer_entry, material, "Base Color"))
     own = shader("Coat Weight", context, material)
-    return own or (DerivedSlot(color, lambda rgb: min(max(rgb[:3]), 1.0), _scaled) if color else None)
+    return own or (DerivedSlot(color, lambda rgb: min(max(rgb[:3]), 1.0), scaled) if color else None)
 
 
 def coat_roughness(context: SceneContext, material: Material) -> ValueSlot | None:
@@ -116,16 +136,11 @@ def surface_color(context: SceneContext, material: Material) -> ValueSlot | None
     return inputs.input_slot(lambda: layers.colors(material)[0], tinted=True) if len(colors) == 1 else None
 
 
-def glow_color(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The emission color, or the Vibe Tint on a color that nodes compute."""
-    find = partial(layers.entry, material, "Emission Color")
-    return inputs.input_slot(find, tinted=True) or TINT.slot(find, "Tint")
-
-
-def glow_strength(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The emission strength, or the Vibe Factor on a strength that nodes compute."""
-    find = partial(layers.entry, material, "Emission Strength")
-    return inputs.input_slot(find, tinted=True) or FACTOR.slot(find, "Factor")
+def glow(name: str, context: SceneContext, material: Material) -> ValueSlot | None:
+    """The emission color or strength ("Color", "Strength"), or the Vibe Tint or Factor on one that nodes compute."""
+    find = partial(layers.entry, material, f"Emission {name}")
+    inset, changed = (TINT, "Tint") if name == "Color" else (FACTOR, "Factor")
+    return inputs.input_slot(find, tinted=True) or inset.slot(find, changed)
 
 
 def material_tint(name: str, context: SceneContext, material: Material) -> ValueSlot | None:
@@ -135,11 +150,7 @@ def material_tint(name: str, context: SceneContext, material: Material) -> Value
 
 def _of_all(find: Callable[[], list[NodeEntry]], inset: Inset, name: str, plain: bool = True) -> ValueSlot | None:
     """One slot for an input of the insets on all node inputs that `find` returns; `plain` as for `Inset.slot`."""
-
-    def entry(number: int) -> NodeEntry:
-        return find()[number]
-
-    slots = [inset.slot(partial(entry, n), name, plain) for n in range(len(find()))]
+    slots = [inset.slot(partial(lambda number: find()[number], n), name, plain) for n in range(len(find()))]
     return together([slot for slot in slots if slot])
 
 
@@ -150,10 +161,7 @@ def recolor(context: SceneContext, material: Material) -> ValueSlot | None:
 
 
 def background(name: str, part: str, context: SceneContext, world: World) -> ValueSlot | None:
-    """The color or strength of a part of a world's background, LIGHT or BACKDROP.
-
-    Mixed Backgrounds have a Vibe Factor on each strength. None for a mixed or computed color: it has a `world_tint`.
-    """
+    """The color or strength of a part, LIGHT or BACKDROP, of a world; None for a mixed or computed color: it has a tint."""
     if backgrounds.mixed_backgrounds(world, part):
         strengths = partial(backgrounds.mixed_entries, world, part, "Strength")
         return _of_all(strengths, FACTOR, "Factor") if name == "Strength" else None
@@ -192,25 +200,17 @@ def _single(world: World, part: str, name: str, inset: bool = True) -> NodeEntry
 
 def volume(name: str, context: SceneContext, scene: Scene) -> ValueSlot | None:
     """A value of the fog: of the artist's world volume if there is one, else of the Vibe Fog box."""
-
-    def own() -> trails.NodeInGroups | None:
-        world = rendered.world(scene)
-        return trails.world_volume(world) if world else None
+    world = rendered.world(scene)
+    if trails.world_volume(world) is None:
+        return fog.fog_slot(context, name)
 
     def find() -> NodeEntry | None:
-        node = own()
+        node = trails.world_volume(world)
         return node.entry(name) if node else None
 
-    if own():
-        return inputs.input_slot(find)
-    return fog.fog_slot(context, name)
+    return inputs.input_slot(find)
 
 
 def view(name: str, context: SceneContext, scene: Scene) -> ValueSlot:
     """A property of the scene's view transform."""
     return PropertySlot(scene.view_settings, name, locks.of_property(scene.view_settings, name))
-
-
-def graded(name: str, context: SceneContext, scene: Scene) -> ValueSlot:
-    """An input of the Vibe Grade group in the compositor."""
-    return grade.grade_slot(scene, name)

@@ -5,18 +5,18 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from bpy.types import NodeSocket, Object, Scene, bpy_struct
+from bpy.types import Scene, bpy_struct
 from mathutils import Vector
 
 from ..core import compat, rendered
 from ..core.color import from_oklab, to_oklab
-from ..core.journal import Journal, resolve
+from ..core.journal import resolve
 from ..core.schema_import import labels, schema
 from ..core.value_slots import PropertySlot
 from . import bindings, keyframes, snapshot, steps
@@ -25,30 +25,21 @@ from .nodes import owned
 
 ByKey = dict[str, list[float]]
 VERSION = 1
-_PIECES = 16  # samples between two moments: straight lines between samples are within 1 % of the even steps
 _TOLERANCE = 0.005, 2e-4  # of a value, and of its range: a key this close to a straight line is left out
-_UNCHANGED = 1e-6  # relative to a value: smaller changes are rounding of 32-bit numbers
 _BRIGHT = ("power", "strength", "backdrop_strength", "emission")
 _TURNING = ("azimuth", "rotation")
 
 
 @dataclass
 class Moment:
-    """A look at a frame.
-
-    Attributes:
-        values: The values that the look changes, by key.
-        base: The scene's values without the look; has all keys of `values`, and more.
-        pivot: The subject's center, world space.
-        subject: Names of the subject's objects.
-    """
+    """A look at a frame."""
 
     frame: int
     prompt: str
-    values: ByKey
-    base: ByKey
-    pivot: list[float]
-    subject: list[str] = field(default_factory=list)
+    values: ByKey  # the values that the look changes
+    base: ByKey  # the scene's values without the look; has all keys of `values`, and more
+    pivot: list[float]  # the subject's center, world space
+    subject: list[str] = field(default_factory=list)  # names of its objects
 
 
 def of(scene: Scene) -> list[Moment]:
@@ -80,8 +71,7 @@ def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
         for moment, look in zip(moments, looks, strict=True):
             subject = [scene.objects[name] for name in moment.subject if name in scene.objects]
             left |= bindings.write(scene, look, subject, moment.pivot)
-        tracks = _tracks(scene, moments, base, looks) + _cards(scene, moments, looks)
-        notes = keyframes.add(scene, tracks)
+        notes = keyframes.add(scene, _tracks(scene, moments, base, looks) + _cards(scene, moments, looks))
     rows = [asdict(moment) for moment in moments]
     scene[keyframes.MOMENTS] = json.dumps({"version": VERSION, "moments": rows}, ensure_ascii=False)
     scene.frame_set(scene.frame_current)
@@ -89,11 +79,7 @@ def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
 
 
 def completed(moments: Sequence[Moment]) -> tuple[ByKey, list[ByKey]]:
-    """The scene's values without the looks, and each look with the keys of all of them.
-
-    A value that a look does not change is that of the scene without the look. A light that a look lacks is off, with its
-    other values from the nearest look (by frame) that has it. Azimuths turn the shorter way from look to look.
-    """
+    """The scene's values without the looks, and each look with the keys of all of them."""
     base: ByKey = {}
     looks: list[ByKey] = [{} for _ in moments]
     for key in dict.fromkeys(key for moment in moments for key in moment.values):
@@ -104,37 +90,31 @@ def completed(moments: Sequence[Moment]) -> tuple[ByKey, list[ByKey]]:
             known = moment.base | moment.values
             if schema.light_links.link_of(key):  # no curve can link a light: it is linked at all frames
                 known = near.values | known
+            # An unchanged value is the scene's. A light that a look lacks is off, otherwise as in the nearest look.
             value = next((known[origin] for origin in steps.origins(key) if origin in known), near.base[key])
-            look[key] = last = _short_way(key, last, value)
+            if last and schema.split_key(key)[2] in _TURNING:  # an equivalent angle, at most half a turn from the last
+                value = [last[0] + (value[0] - last[0] + 180.0) % 360.0 - 180.0]
+            look[key] = last = value
         base[key] = having[0].base[key]
     return base, looks
 
 
-def _short_way(key: str, last: list[float] | None, value: list[float]) -> list[float]:
-    """The value; of an angle, the equivalent one that is at most half a turn from the last."""
-    if last is None or schema.split_key(key)[2] not in _TURNING:
-        return value
-    return [last[0] + (value[0] - last[0] + 180.0) % 360.0 - 180.0]
-
-
 def between(key: str, first: Sequence[float], last: Sequence[float], share: float) -> list[float]:
-    """The value at a share, 0 to 1, of the way from `first` to `last`, in steps that look even; exact at both ends.
-
-    Temperatures are interpolated in mireds, colors in OKLab, brightness in stops, all other values on their parameter's
-    perceptual scale. Azimuths are interpolated in degrees as they are, without a wrap at 360.
-    """
+    """The value at a share, 0 to 1, of the way from `first` to `last`, in steps that look even; exact at both ends."""
     if share in (0.0, 1.0) or list(first) == list(last):
         return list(last if share else first)
     parameter = labels.parameter(key)
-    if parameter.unit == "K":
+    if parameter.unit == "K":  # in mireds
         return [1.0 / _straight(1.0 / first[0], 1.0 / last[0], share)]
     if parameter.kind == "color":
         found = from_oklab(_straight(to_oklab(np.array(first)), to_oklab(np.array(last)), share))
         return [min(float(v), max(1.0, *first, *last)) for v in found]  # OKLab may leave the gamut
     if parameter.name in _BRIGHT:
-        return [_by_stops(first[0], last[0], share)]
+        # In stops, but from or to 0 almost linearly, so that a cross-fade of two lights keeps the brightness.
+        dim = 0.0 if min(first[0], last[0]) > 0.0 else max(first[0], last[0])
+        return [math.exp(_straight(math.log(first[0] + dim), math.log(last[0] + dim), share)) - dim]
     if parameter.name in _TURNING:
-        return [_straight(first[0], last[0], share)]
+        return [_straight(first[0], last[0], share)]  # without a wrap at 360
     return steps.along(key, first, (first, last), share)
 
 
@@ -142,27 +122,21 @@ def _straight(first: Any, last: Any, share: float) -> Any:
     return first + share * (last - first)
 
 
-def _by_stops(first: float, last: float, share: float) -> float:
-    """Interpolates in stops; from or to 0 almost linearly, so that a cross-fade of two lights keeps the brightness."""
-    dim = 0.0 if min(first, last) > 0.0 else max(first, last)
-    return math.exp(_straight(math.log(first + dim), math.log(last + dim), share)) - dim
-
-
 def _tracks(scene: Scene, moments: Sequence[Moment], base: ByKey, looks: Sequence[ByKey]) -> list[Track]:
-    """The properties that the looks change, with their values by frame.
-
-    Each sampled look is written through the bindings, and the properties that this changes are read back. So lights move
-    on arcs, and every parameter is keyframed as its binding writes it.
-    """
+    """The properties that the looks change, with their values by frame."""
     samples = _samples(moments, looks)
     pivot = Vector(moments[-1].pivot)
-    # By data-block, path and name of a property, its values by frame; the frame None is the scene without looks.
+    # Each sampled look is written through the bindings, and the properties that this changes are read back. So lights
+    # move on arcs. By data-block, path and name of a property, its values by frame; None is the scene without looks.
     found: dict[tuple[int, str, str], dict[int | None, Any]] = {}
     seen: list[int | None] = []
     with snapshot.undone(scene) as journal:
         for frame, look, place in ((None, base, moments[-1].pivot), *samples):
-            _follow(journal, scene, Vector(place) - pivot)
-            pivot = Vector(place)
+            way, pivot = Vector(place) - pivot, Vector(place)
+            # The lights that Vibe Render added orbit the subject's center: they move with it.
+            for light in (o for o in scene.objects if o.type == "LIGHT" and owned.MARK in o) if way.length else ():
+                journal.set(light, "location", light.location + way)
+            rendered.layer(scene).update()
             bindings.put(journal, scene, look, (), pivot)
             rendered.layer(scene).update()
             for entry in journal.entries:
@@ -175,18 +149,17 @@ def _tracks(scene: Scene, moments: Sequence[Moment], base: ByKey, looks: Sequenc
                 values[frame] = PropertySlot(resolve(journal.ids[number], path), name).get()
             seen.append(frame)
         frames = [moment.frame for moment in moments]
-        return [
-            track
-            for (number, path, name), values in found.items()
-            for track in _curves(resolve(journal.ids[number], path), name, values, frames)
-        ]
+        tracks = []
+        for (number, path, name), values in found.items():
+            tracks += _curves(resolve(journal.ids[number], path), name, values, frames)
+        return tracks
 
 
 def _samples(moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[tuple[int, ByKey, list[float]]]:
     """Sampled frames from the first moment to the last, each with all values and the pivot."""
     found = [(moments[0].frame, looks[0], moments[0].pivot)]
     for (one, first), (other, last) in pairwise(zip(moments, looks, strict=True)):
-        count = min(other.frame - one.frame, _PIECES)
+        count = min(other.frame - one.frame, 16)  # straight lines between 16 samples are within 1 % of the even steps
         for number in range(1, count + 1):
             frame = one.frame + round(number * (other.frame - one.frame) / count)
             share = (frame - one.frame) / (other.frame - one.frame)
@@ -196,13 +169,6 @@ def _samples(moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[tuple[in
     return found
 
 
-def _follow(journal: Journal, scene: Scene, way: Vector) -> None:
-    """Moves the lights that Vibe Render added by `way`, as the subject moved, because they orbit its center."""
-    for light in (o for o in scene.objects if o.type == "LIGHT" and owned.MARK in o) if way.length else ():
-        journal.set(light, "location", light.location + way)
-    rendered.layer(scene).update()
-
-
 def _cards(scene: Scene, moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[Track]:
     """Opacity of each card (`owned.CARD`): 0 at moments where its light is off, so that it shadows no other light."""
     tracks = []
@@ -210,37 +176,21 @@ def _cards(scene: Scene, moments: Sequence[Moment], looks: Sequence[ByKey]) -> l
         keys = [f"light/{card.parent.name}/{name}" for name in ("power", "strength")]
         lit = [any(look.get(key, [0.0])[0] for key in keys) for look in looks]
         with snapshot.transaction(scene) as journal:
-            opacity = _opacity(journal, card)
-        frames = (moment.frame for moment in moments)
-        tracks.append(Track(opacity, "default_value", 0, dict(zip(frames, map(float, lit), strict=True))))
+            if not card.data.materials:
+                material = owned.new(journal, "materials", owned.CARD)
+                tree = compat.enable_nodes(material)
+                tree.nodes.clear()
+                kinds = ("BsdfTransparent", "BsdfDiffuse", "MixShader", "OutputMaterial")
+                clear, gray, mix, output = (tree.nodes.new(f"ShaderNode{kind}") for kind in kinds)
+                mix.name = owned.CARD
+                tree.links.new(clear.outputs[0], mix.inputs[1])
+                tree.links.new(gray.outputs[0], mix.inputs[2])
+                tree.links.new(mix.outputs[0], output.inputs["Surface"])
+                journal.append_material(card.data, material)
+        opacity = card.data.materials[0].node_tree.nodes[owned.CARD].inputs[0]
+        values = {moment.frame: float(shines) for moment, shines in zip(moments, lit, strict=True)}
+        tracks.append(Track(opacity, "default_value", 0, values))
     return tracks
-
-
-def _opacity(journal: Journal, card: Object) -> NodeSocket:
-    """The opacity input of a card's material, which is made if it is missing."""
-    if not card.data.materials:
-        material = owned.new(journal, "materials", owned.CARD)
-        tree = compat.enable_nodes(material)
-        tree.nodes.clear()
-        kinds = ("BsdfTransparent", "BsdfDiffuse", "MixShader", "OutputMaterial")
-        clear, gray, mix, output = (tree.nodes.new(f"ShaderNode{kind}") for kind in kinds)
-        mix.name = owned.CARD
-        tree.links.new(clear.outputs[0], mix.inputs[1])
-        tree.links.new(gray.outputs[0], mix.inputs[2])
-        tree.links.new(mix.outputs[0], output.inputs["Surface"])
-        journal.append_material(card.data, material)
-    return card.data.materials[0].node_tree.nodes[owned.CARD].inputs[0]
-
-
-def _flags(values: Mapping[int, bool]) -> dict[int, bool]:
-    """A flag, such as `hide_render`, at the frames where it changes.
-
-    Between two samples it is set only if both have it: an object that is hidden at one of them is visible on the way.
-    """
-    frames = list(values)
-    held = {a: values[a] and values[b] for a, b in pairwise([*frames, frames[-1]])}
-    changes = [b for a, b in pairwise(frames) if held[a] != held[b]]
-    return {frame: held[frame] for frame in (frames[0], *changes)}
 
 
 def _curves(owner: bpy_struct, name: str, values: dict[int | None, Any], frames: Sequence[int]) -> list[Track]:
@@ -250,28 +200,29 @@ def _curves(owner: bpy_struct, name: str, values: dict[int | None, Any], frames:
     """
     base = values.pop(None)
     by_frame = {frame: value for frame, value in values.items() if frame is not None}
+    every = list(by_frame)
     if not owner.bl_rna.properties[name].is_animatable:
         return []
     if isinstance(base, bool):
-        changes = any(flag != base for flag in by_frame.values())
-        return [Track(owner, name, 0, _flags(by_frame))] if changes else []
+        if all(flag == base for flag in by_frame.values()):
+            return []
+        # Between two samples a flag is set only if both have it: what is hidden at one of them is visible on the way.
+        flags = {a: by_frame[a] and by_frame[b] for a, b in pairwise([*every, every[-1]])}
+        changes = [b for a, b in pairwise(every) if flags[a] != flags[b]]
+        return [Track(owner, name, 0, {frame: flags[frame] for frame in (every[0], *changes)})]
     rows = np.array([np.atleast_1d(value) for value in (base, *by_frame.values())], float)
     if name == "rotation_quaternion":  # the negative is the same rotation
         for before, now in pairwise(rows):
             now *= math.copysign(1.0, before @ now)
     tracks = []
     for index, column in enumerate(rows.T):
-        if np.ptp(column) > _UNCHANGED * max(np.abs(column).max(), 1.0):
-            tracks.append(Track(owner, name, index, _thinned(list(by_frame), column[1:], frames)))
+        if np.ptp(column) > 1e-6 * max(np.abs(column).max(), 1.0):  # smaller changes are rounding of 32-bit numbers
+            # Keys at the moments, and where straight lines between them would miss a value.
+            kept = {every.index(frame) for frame in frames}
+            for one, other in pairwise(sorted(kept)):
+                _keep(np.array(every, float), column[1:], one, other, kept)
+            tracks.append(Track(owner, name, index, {every[i]: float(column[1 + i]) for i in sorted(kept)}))
     return tracks
-
-
-def _thinned(every: list[int], values: np.ndarray, frames: Sequence[int]) -> dict[int, float]:
-    """Values by frame: all at the moments, and those between that straight lines would miss (`_TOLERANCE`)."""
-    kept = {every.index(frame) for frame in frames}
-    for one, other in pairwise(sorted(kept)):
-        _keep(np.array(every, float), values, one, other, kept)
-    return {every[i]: float(values[i]) for i in sorted(kept)}
 
 
 def _keep(frames: np.ndarray, values: np.ndarray, one: int, other: int, kept: set[int]) -> None:

@@ -10,10 +10,9 @@ import numpy as np
 from bpy.types import Object
 from mathutils import Matrix, Vector
 
-from ..core import locks
 from ..core.journal import Journal
 from ..core.schema_import import schema
-from ..core.value_slots import PropertySlot, same
+from ..core.value_slots import PropertySlot
 from .light_types import type_of
 
 
@@ -38,7 +37,15 @@ class Pose:
     @classmethod
     def of(cls, obj: Object, pivot: Vector) -> Pose:
         """The object's present pose; a sun counts as placed in the direction that its light comes from."""
-        rotation = _rotation(obj)
+        if obj.parent or obj.constraints:
+            rotation = obj.matrix_world.to_3x3().normalized()
+        elif obj.rotation_mode == "QUATERNION":
+            rotation = obj.rotation_quaternion.normalized().to_matrix()
+        elif obj.rotation_mode == "AXIS_ANGLE":
+            angle, *axis = obj.rotation_axis_angle
+            rotation = Matrix.Rotation(angle, 3, Vector(axis))
+        else:
+            rotation = obj.rotation_euler.to_matrix()
         offset = obj.matrix_world.translation - pivot
         toward = type_of(obj).offset(obj, pivot, rotation) if obj.type == "LIGHT" else offset
         azimuth, elevation = schema.orbit.angles(toward)
@@ -60,37 +67,3 @@ class Pose:
         else:
             euler = rotation.to_euler(mode, self.obj.rotation_euler)
             PropertySlot(self.obj, "rotation_euler").set(journal, tuple(euler))
-
-
-@dataclass
-class OrbitSlot:
-    """Value slot: one of a pose's three coordinates. The slots of one object share its pose."""
-
-    pose: Pose
-    name: str
-
-    @property
-    def locked(self) -> str:
-        """The reason why the object must stay where it is."""
-        return locks.of_pose(self.pose.obj)
-
-    def get(self) -> float:
-        """Degrees or meters."""
-        return getattr(self.pose, self.name)
-
-    def set(self, journal: Journal, raw: float) -> None:
-        """Moves the object along its orbit."""
-        if not same(raw, self.get()):
-            setattr(self.pose, self.name, raw)
-            self.pose.apply(journal)
-
-
-def _rotation(obj: Object) -> Matrix:
-    if obj.parent or obj.constraints:
-        return obj.matrix_world.to_3x3().normalized()
-    if obj.rotation_mode == "QUATERNION":
-        return obj.rotation_quaternion.normalized().to_matrix()
-    if obj.rotation_mode == "AXIS_ANGLE":
-        angle, *axis = obj.rotation_axis_angle
-        return Matrix.Rotation(angle, 3, Vector(axis))
-    return obj.rotation_euler.to_matrix()

@@ -12,8 +12,8 @@ from bpy.types import ID, FCurve, NodeSocket, Scene
 from mathutils import Vector
 
 from ..core import compat, locks
-from ..core.journal import HELD, Journal, Keys, held_name, keys_of, mark_held, resolve, set_keys
-from ..core.schema_import import labels, schema
+from ..core.journal import HELD, held_name, keys_of, mark_held, resolve, set_keys
+from ..core.schema_import import labels
 from ..core.value_slots import PropertySlot, same
 from . import bindings, keyframes, scene_context, snapshot
 
@@ -21,37 +21,30 @@ from . import bindings, keyframes, scene_context, snapshot
 def hold(scene: Scene) -> None:
     """Mutes the curves of all values that only their keyframes lock: the values stay as they are now, and may change.
 
-    Values with drivers, NLA strips or curve modifiers, or with an action that other data-blocks use, stay locked.
+    Values with drivers, NLA strips or curve modifiers, with an action that other data-blocks use, or of a node input that
+    shares its value stay locked.
     """
     context = scene_context.SceneContext(scene, (), Vector(), everything=True)
     with snapshot.transaction(scene) as journal:
         for row, owner, slot in list(bindings.slots(context)):
-            if isinstance(slot, PropertySlot) and slot.locked.endswith(locks.ANIMATED) and not owner.locked:
-                _hold(journal, scene, row.parameter.key(owner.name), slot)
-
-
-def _hold(journal: Journal, scene: Scene, key: str, slot: PropertySlot) -> None:
-    """Mutes the curves of one value, unless one of them has to stay or other node inputs share the value."""
-    block, owner = slot.owner.id_data, slot.owner
-    path = slot.name if isinstance(owner, ID) else f"{owner.path_from_id()}.{slot.name}"
-    curves = [curve for curve in compat.curves(block) if curve.data_path == path]
-    action = block.animation_data.action if block.animation_data else None
-    shared = isinstance(owner, NodeSocket) and (
-        len(owner.links) > 1 or (not block.is_embedded_data and locks.uses(block) > 1)
-    )
-    if shared or keyframes.obstacle(block) or not all(_may_move(curve, action) for curve in curves):
-        return
-    journal.set(owner, slot.name, getattr(owner, slot.name))
-    for curve in curves:
-        compat.set_to_curve(block, curve, scene.frame_current)
-    for curve in curves:
-        journal.hold(block, curve, key, _present(block, curve))
-
-
-def _may_move(curve: FCurve, action: Any) -> bool:
-    """True if a curve is an active one of the action and has plain keys, without modifiers."""
-    mine = curve.id_data == action and not curve.mute
-    return mine and bool(curve.keyframe_points) and not (curve.modifiers or curve.sampled_points)
+            if not (isinstance(slot, PropertySlot) and slot.locked.endswith(locks.ANIMATED)) or owner.locked:
+                continue
+            struct, block = slot.owner, slot.owner.id_data
+            path = slot.name if isinstance(struct, ID) else f"{struct.path_from_id()}.{slot.name}"
+            curves = [curve for curve in compat.curves(block) if curve.data_path == path]
+            action = block.animation_data.action if block.animation_data else None
+            mine = all(curve.id_data == action and not curve.mute for curve in curves)
+            plain = all(c.keyframe_points and not (c.modifiers or c.sampled_points) for c in curves)
+            shared = isinstance(struct, NodeSocket) and (
+                len(struct.links) > 1 or (not block.is_embedded_data and locks.uses(block) > 1)
+            )
+            if shared or keyframes.obstacle(block) or not (mine and plain):
+                continue
+            journal.set(struct, slot.name, getattr(struct, slot.name))
+            for curve in curves:
+                compat.set_to_curve(block, curve, scene.frame_current)
+            for curve in curves:
+                journal.hold(block, curve, row.parameter.key(owner.name), _present(block, curve))
 
 
 def are_held(scene: Scene) -> bool:
@@ -63,14 +56,16 @@ def release(scene: Scene) -> None:
     """Unmutes the curves that `hold` has muted, all keys of each shifted by as much as the look changed its value."""
     if not are_held(scene):
         return
-    newest = {
-        (e["id"], e["path"], held_name(c)): (e, b, c) for e, b, c in snapshot.load(scene).curves("held") if c.mute
-    }
+    held = [row for row in snapshot.load(scene).curves("held") if row[2].mute]
+    newest = {(entry["id"], entry["path"], held_name(curve)): (entry, block, curve) for entry, block, curve in held}
     for entry, block, curve in newest.values():
         with suppress(ValueError, AttributeError):  # the artist has removed what it animates
             was, now = entry["was"], _present(block, curve)
             if not same(was, now):
-                set_keys(curve, _moved(keys_of(curve), labels.parameter(entry["key"]), was, now))
+                # A factor, or on a linear scale (or from 0) a difference: both keep the form of the curve.
+                linear = was <= 0.0 or labels.parameter(entry["key"]).scale.name == "linear"
+                keys = [[v + now - was if linear else v * now / was for v in key] for key in keys_of(curve)]
+                set_keys(curve, keys)
         mark_held(curve, False)
     scene.frame_set(scene.frame_current)
 
@@ -80,16 +75,6 @@ def _present(block: Any, curve: FCurve) -> float:
     path, _, name = curve.data_path.rpartition(".")
     value = getattr(resolve(block, path), name)
     return float(value[curve.array_index] if hasattr(value, "__len__") else value)
-
-
-def _moved(keys: Keys, parameter: schema.Parameter, was: float, now: float) -> Keys:
-    """Keys shifted so that the curve has the value `now` where it had `was`.
-
-    The shift is a factor, or on a linear scale (or from 0) a difference. Both keep the form of the curve.
-    """
-    if was <= 0.0 or parameter.scale.name == "linear":
-        return [[value + now - was for value in key] for key in keys]
-    return [[value * now / was for value in key] for key in keys]
 
 
 @contextmanager

@@ -37,13 +37,8 @@ _PLACES = {
 distance, and the radiance that it gives to a white surface that faces it."""
 OURS = {"key": "Vibe Key", "fill": "Vibe Fill", "rim": "Vibe Rim"}
 """Role of a light that a scene lacks -> name of the light that is added for it."""
-_SUN = 0.526  # angular diameter of an added sun, degrees
 _LEAST_LIGHT = 0.1  # radiance above which a white surface at the subject counts as lit
-_CLEAR = 0.2  # distance of a light from a wall, in parts of the way from the subject to the wall
-_BACKWARDS = Matrix.Rotation(pi + radians(35.0), 4, "X")
-"""Turns a light away from the subject and down, so that it lights the wall behind it and the floor at the wall."""
-LIGHT_TYPE = "AREA"
-"""The type of a light that is added for a role."""
+LIGHT_TYPE = "AREA"  # the type of a light that is added for a role
 
 
 def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> None:
@@ -51,29 +46,27 @@ def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> None:
     about = list(subject) or scene_context.meshes(scene)
     low, high = scene_context.bounds(scene, about)
     with snapshot.transaction(scene) as journal:
-        _add_world(journal, scene)
-        _add_camera(journal, scene, low, high)
-        _add_key(journal, scene, low, high)
+        shown = rendered.world(scene)
+        if shown is None:
+            world = owned.new(journal, "worlds", "Vibe World")
+            compat.enable_nodes(world)
+            rendered.set_world(scene, world, journal.set)
+        elif rendered.world_users(shown) > 1:  # a copy in place of a world that other scenes use too
+            rendered.set_world(scene, journal.copy("worlds", shown), journal.set)
+        if scene.camera is None:
+            _add_camera(journal, scene, low, high)
+        lights = rendered.lights(scene) or rendered.instanced_lights(scene)
+        if not (lights or _light_of_surfaces(scene, (low + high) / 2.0) > _LEAST_LIGHT):
+            key = add_light(journal, scene, "Vibe Key", low, high)
+            if _is_lit(scene):
+                key.data.energy = 0.0  # a scene that its world lights keeps its look
         for obj in about if not rendered.override_lock(scene) else ():
             _add_material(journal, obj)
     rendered.layer(scene).update()
 
 
-def _add_world(journal: Journal, scene: Scene) -> None:
-    """Adds a world if there is none; replaces a world that other scenes use too by a copy."""
-    shown = rendered.world(scene)
-    if shown is None:
-        world = owned.new(journal, "worlds", "Vibe World")
-        compat.enable_nodes(world)
-        rendered.set_world(scene, world, journal.set)
-    elif rendered.world_users(shown) > 1:
-        rendered.set_world(scene, journal.copy("worlds", shown), journal.set)
-
-
 def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> None:
-    """Adds a camera that sees the box between two corners, if the scene has none."""
-    if scene.camera is not None:
-        return
+    """Adds a camera that sees the box between two corners."""
     data = owned.new(journal, "cameras", "Vibe Camera")
     camera = owned.new(journal, "objects", "Vibe Camera", data)
     # The lens angle is that of the image's longer side; all has to fit into the shorter side too.
@@ -86,45 +79,29 @@ def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> No
     journal.set(scene, "camera", camera)
 
 
-def _add_key(journal: Journal, scene: Scene, low: Vector, high: Vector) -> None:
-    """Adds a key light if the scene has no lights and no glowing surfaces; with no power if the world lights it."""
-    if (
-        rendered.lights(scene)
-        or rendered.instanced_lights(scene)
-        or _light_of_surfaces(scene, (low + high) / 2.0) > _LEAST_LIGHT
-    ):
-        return
-    light = add_light(journal, scene, "Vibe Key", low, high)
-    if _is_lit(scene):
-        light.data.energy = 0.0  # a scene that its world lights keeps its look
-
-
 def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vector) -> Object:
-    """Adds one of `schema.added_lights.ADDED_LIGHTS` to a scene, in the collection for added lights.
-
-    The camera does not see its shape. `low` and `high` are the world-space corners of the box that it lights.
-    """
+    """Adds one of the `ADDED_LIGHTS`, in their collection; `low` and `high` are the corners of the box that it lights."""
     what = schema.added_lights.ADDED_LIGHTS[name]
     azimuth, elevation, size, brightness = _PLACES[what.part]
     data = owned.new(journal, "lights", name, what.type)
     light = owned.new(journal, "objects", name, data)
-    pivot = (low + high) / 2.0
+    pivot, kind = (low + high) / 2.0, LIGHT_TYPES[what.type]
     front = schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0] if scene.camera else 0.0
     toward = Vector(schema.orbit.direction(front + azimuth, elevation))
-    # No wall around the subject may block the light.
+    # No wall around the subject may block the light: it keeps a fifth of the way away from one.
     distance, gap = added_light_distance(low, high), 1.01 * (high - low).length / 2.0
     start, graph = pivot + gap * toward, rendered.depsgraph(scene)
     hit, wall, *_ = scene.ray_cast(graph, start, toward, distance=max(distance - gap, 1e-3))
     if hit:
-        distance = (wall - pivot).length - _CLEAR * (wall - start).length
-    kind = LIGHT_TYPES[what.type]
-    setattr(data, kind.extent_property, size * distance if kind.has_position else radians(_SUN))
+        distance = (wall - pivot).length - 0.2 * (wall - start).length
+    setattr(data, kind.extent_property, size * distance if kind.has_position else radians(0.526))
     data.energy = brightness * schema.radiometry.unit_energy(what.type, distance if kind.has_position else 1.0)
     light.visible_camera = False
     # a sun's place has no effect: at the pivot, its card turns with it around the subject
     light.matrix_world = orbit_matrix(pivot, front + azimuth, elevation, 0.0 if what.pattern else distance)
     if what.part == "background" and kind.has_position:
-        light.matrix_world = light.matrix_world @ _BACKWARDS
+        # turned away from the subject and down: it lights the wall behind it, and the floor at the wall
+        light.matrix_world = light.matrix_world @ Matrix.Rotation(pi + radians(35.0), 4, "X")
     collection = owned.find_owned(scene.collection.children, schema.added_lights.COLLECTION)
     if collection is None:
         collection = owned.new(journal, "collections", schema.added_lights.COLLECTION)
@@ -161,23 +138,19 @@ def added_light_distance(low: Vector, high: Vector) -> float:
 
 def _is_lit(scene: Scene) -> bool:
     """True if the world lights the scene."""
-    world = rendered.world(scene)
-    for layer in backgrounds.layers_of_part(world, backgrounds.LIGHT) if world else ():
+    for layer in backgrounds.layers_of_part(rendered.world(scene), backgrounds.LIGHT):
         color, strength = layer.shader.input("Color"), layer.shader.input("Strength")
-        if color is None or strength is None:
-            continue
-        if active_links(color) or active_links(strength):
-            return True
-        if max(color.default_value[:3]) * strength.default_value > _LEAST_LIGHT:
-            return True
+        if color and strength:
+            computed = active_links(color) or active_links(strength)
+            if computed or max(color.default_value[:3]) * strength.default_value > _LEAST_LIGHT:
+                return True
     return False
 
 
 def _add_material(journal: Journal, obj: Object) -> None:
     """Adds a material to an object that has none and may be changed."""
     data = obj.data
-    filled = [slot for slot in obj.material_slots if slot.material]
-    if filled or data.library or data.override_library or not hasattr(data, "materials"):
+    if _materials_of(obj) or data.library or data.override_library or not hasattr(data, "materials"):
         return
     material = owned.new(journal, "materials", f"Vibe {obj.name}", role="material")
     compat.enable_nodes(material)
@@ -193,30 +166,24 @@ def _light_of_surfaces(scene: Scene, place: Vector) -> float:
     glow = functools.cache(lambda material: layers.emitted_radiance(material) if material else 0.0)
     for thing, _, matrix in rendered.instances(scene):
         strengths = [glow(m) for m in rendered.worn(thing, of)] if thing.type == "MESH" else []
-        if any(strengths):
-            total += _light_of_mesh(thing.data, np.array(matrix), strengths, place)
+        if not any(strengths):
+            continue
+        # The sum of radiance x min(area / (2 pi d^2), 1) over the mesh's faces: half of them count as facing away.
+        faces, rotation, offset = thing.data.polygons, np.array(matrix)[:3, :3], np.array(matrix)[:3, 3]
+        area = array(faces, "area", (len(faces),), float)
+        index = array(faces, "material_index", (len(faces),), np.int32)
+        way = array(faces, "center", (len(faces), 3), float) @ rotation.T + offset - np.array(place)
+        scale = abs(np.linalg.det(rotation)) ** (2.0 / 3.0)
+        strength = np.array(strengths)[np.clip(index, 0, len(strengths) - 1)]
+        factor = np.minimum(0.5 * scale * area / (pi * np.maximum((way**2).sum(1), 1e-6)), 1.0)
+        total += float((strength * factor).sum())
         if total > _LEAST_LIGHT:
             break
     return total
 
 
-def _light_of_mesh(mesh: bpy.types.Mesh, matrix: np.ndarray, strengths: list[float], place: Vector) -> float:
-    """The sum of radiance x min(area / (2 pi d^2), 1) over a mesh's faces: half of them count as facing away."""
-    count = len(mesh.polygons)
-    area = array(mesh.polygons, "area", (count,), float)
-    index = array(mesh.polygons, "material_index", (count,), np.int32)
-    way = array(mesh.polygons, "center", (count, 3), float) @ matrix[:3, :3].T + matrix[:3, 3] - np.array(place)
-    scale = abs(np.linalg.det(matrix[:3, :3])) ** (2.0 / 3.0)
-    strength = np.array(strengths)[np.clip(index, 0, len(strengths) - 1)]
-    factor = np.minimum(0.5 * scale * area / (pi * np.maximum((way**2).sum(1), 1e-6)), 1.0)
-    return float((strength * factor).sum())
-
-
 def shared_materials(subject: Sequence[Object]) -> dict[Material, list[Object]]:
-    """The subject's materials that objects outside of it use too, in any scene; each with these objects.
-
-    Materials from a library are left out, because they cannot be changed.
-    """
+    """The subject's editable materials that objects outside of it use too, in any scene; each with these objects."""
     inside, theirs = set(subject), {m for obj in subject for m in _materials_of(obj) if m.is_editable}
     users: dict[Material, list[Object]] = {}
     for obj in bpy.data.objects:

@@ -26,8 +26,7 @@ class Owner:
     thing: Any  # its data-block
     role: str = ""  # "subject" or "surroundings" for materials; "key", "fill" or "rim" for lights
     locked: str = ""  # why none of its values may change
-    # its own lengths, by the names of the schema's REFERENCES
-    lengths: dict[str, float] = field(default_factory=dict)
+    lengths: dict[str, float] = field(default_factory=dict)  # its own, by the names of the schema's REFERENCES
 
 
 @dataclass(frozen=True)
@@ -38,8 +37,7 @@ class SceneContext:
     subject: Sequence[Object]  # the objects that the image is about
     pivot: Vector  # the center of their bounding box, world space, which cameras and lights orbit
     everything: bool = False  # whether materials that the camera does not see count too
-    # poses that have been read, by object; the slots of an object's three coordinates share its pose
-    poses: dict[Object, Any] = field(default_factory=dict)
+    poses: dict[Object, Any] = field(default_factory=dict)  # read ones: the slots of an object share its pose
 
     def __post_init__(self) -> None:
         rendered.layer(self.scene).update()  # matrices and collections of objects that have changed
@@ -62,10 +60,7 @@ def meshes(scene: Scene) -> list[Object]:
 
 
 def materials(scene: Scene, subject: Sequence[Object], everything: bool = False) -> dict[Material, str]:
-    """The materials that the camera sees, on instances too, each with its role: subject or surroundings.
-
-    Materials outside the frame are left out, unless they emit light or `everything` is set.
-    """
+    """The materials that the camera sees, or `everything`, with their roles: subject or surroundings."""
     chosen, to_clip = set(subject), None if everything else rendered.frustum(scene)
     of = rendered.layer(scene)
     roles: dict[Material, str] = {}
@@ -81,6 +76,7 @@ def materials(scene: Scene, subject: Sequence[Object], everything: bool = False)
             used[key] = [m for m in rendered.worn(thing, of) if m]
         # Of thousands of instances that have the same materials, one in the frame is enough.
         new = [m for m in used[key] if roles.get(m) not in ("subject", role)]
+        # Outside the frame, only materials that emit light count.
         if new and not (to_clip is None or rendered.in_frame(to_clip, thing, matrix)):
             new = [m for m in new if glow(m) > 0.0]
         roles.update(dict.fromkeys(new, role))
@@ -90,10 +86,8 @@ def materials(scene: Scene, subject: Sequence[Object], everything: bool = False)
 def bounds(scene: Scene, objects: Iterable[Object]) -> tuple[Vector, Vector]:
     """World-space corners (least, greatest) of the evaluated objects; a box from -1 to 1 if there are none."""
     graph = rendered.depsgraph(scene)
-    corners = []
-    for obj in objects:
-        evaluated = obj.evaluated_get(graph)
-        corners += [evaluated.matrix_world @ Vector(c) for c in evaluated.bound_box]
+    evaluated = [obj.evaluated_get(graph) for obj in objects]
+    corners = [each.matrix_world @ Vector(corner) for each in evaluated for corner in each.bound_box]
     corners = [c for c in corners if all(map(math.isfinite, c))]
     if not corners:
         return Vector((-1.0, -1.0, -1.0)), Vector((1.0, 1.0, 1.0))
@@ -107,12 +101,8 @@ def scene_lengths(context: SceneContext) -> dict[str, float]:
     camera = context.scene.camera
     view = (camera.matrix_world.translation - context.pivot).length if camera else 3.0 * height
     view = max(view, 1e-3)
-    return {
-        "view_distance": view,
-        "per_view_distance": 1.0 / view,
-        "subject_height": height,
-        "per_subject_height": 1.0 / height,
-    }
+    lengths = {"view_distance": view, "per_view_distance": 1.0 / view}
+    return lengths | {"subject_height": height, "per_subject_height": 1.0 / height}
 
 
 def owners(context: SceneContext, group: str) -> list[Owner]:
@@ -121,29 +111,24 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
     if group == "camera":
         return [Owner("", scene.camera)] if scene.camera and scene.camera.type == "CAMERA" else []
     if group == "light":
-        distances = _light_distances(context)
-        return [
-            Owner(o.name_full, o, role, _set_lock(scene, o), light_lengths(distances[o]))
-            for o, role in light_roles(context).items()
-        ]
+        found, distances = [], _light_distances(context)
+        for light, role in light_roles(context).items():
+            # A light that is only in a background set must be left alone.
+            behind = [each for each in rendered.scenes(scene)[1:] if each in light.users_scene]
+            only_there = behind and scene not in light.users_scene
+            lock = f'it is in the background set "{behind[0].name}"' if only_there else ""
+            found.append(Owner(light.name_full, light, role, lock, light_lengths(distances[light])))
+        return found
     if group == "material":
-        return [
-            Owner(m.name_full, m, role, rendered.override_lock(scene))
-            for m, role in materials(scene, context.subject, context.everything).items()
-        ]
+        roles, lock = materials(scene, context.subject, context.everything), rendered.override_lock(scene)
+        return [Owner(material.name_full, material, role, lock) for material, role in roles.items()]
     world = rendered.world(scene)
     if group == "world":
         return [Owner("", world)] if world else []
-    if group == "volume" and not (world and trails.world_volume(world)):
+    if group == "volume" and not trails.world_volume(world):
         # A box of fog would get the material that overrides all others.
         return [Owner("", scene, locked=rendered.override_lock(scene))]
     return [Owner("", scene)]
-
-
-def _set_lock(scene: Scene, light: Object) -> str:
-    """The reason why a light must be left alone: it is only in a background set. "" for other lights."""
-    behind = [each for each in rendered.scenes(scene)[1:] if each in light.users_scene]
-    return f'it is in the background set "{behind[0].name}"' if behind and scene not in light.users_scene else ""
 
 
 def light_lengths(distance: float) -> dict[str, float]:
@@ -152,13 +137,10 @@ def light_lengths(distance: float) -> dict[str, float]:
 
 
 def _light_distances(context: SceneContext) -> dict[Object, float]:
-    """Distances of the lights from the pivot, meters; never 0.
-
-    After the scene's own lights come those that only instances show: one for each data-block, at its nearest instance.
-    """
-    distances = {
-        o: max((o.matrix_world.translation - context.pivot).length, 1e-3) for o in rendered.lights(context.scene)
-    }
+    """Distances of the lights from the pivot, meters; never 0."""
+    own = rendered.lights(context.scene)
+    distances = {light: max((light.matrix_world.translation - context.pivot).length, 1e-3) for light in own}
+    # After the scene's own lights come those that only instances show: one for each data-block, at its nearest instance.
     here = {o.data for o in distances}
     first: dict[Light, Object] = {}
     for obj, matrix in context.instanced_lights:
@@ -170,10 +152,7 @@ def _light_distances(context: SceneContext) -> dict[Object, float]:
 
 
 def light_roles(context: SceneContext) -> dict[Object, str]:
-    """Assigns roles to the lights: "rim" from behind the subject, the brightest other one "key", the rest "fill".
-
-    After the scene's own lights come those that only instances show, one for each data-block.
-    """
+    """Roles of the lights: "rim" from behind the subject, the brightest other one "key", the rest "fill"."""
     distances = _light_distances(context)
     rims = {o for o in rendered.lights(context.scene) if _from_behind(o, context)}
     front = [o for o in distances if o not in rims] or [*distances]

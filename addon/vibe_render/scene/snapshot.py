@@ -39,11 +39,7 @@ def forget(scene: Scene) -> None:
 
 
 def revert(scene: Scene) -> list[str]:
-    """Restores all values changed since `take` and removes the snapshot; returns what could not be restored, in words.
-
-    Raises:
-        VibeError: There is no snapshot, or one of a newer version, or a damaged one.
-    """
+    """Restores all values changed since `take` and removes the snapshot; returns what could not be restored, in words."""
     journal = load(scene)
     lost = keyframes.take_away(scene)
     forget(scene)  # first: the property counts as a user of the blocks to remove
@@ -84,12 +80,9 @@ def rollback_on_failure(scene: Scene) -> Iterator[None]:
 
 @contextmanager
 def transaction(scene: Scene) -> Iterator[Journal]:
-    """A journal for changes inside the block: kept in the snapshot, or undone after an exception.
-
-    Vibe Render's keyframes are muted, because they would override the changes.
-    """
+    """A journal for changes inside the block: kept in the snapshot, or undone after an exception."""
     whole = load(scene) if exists(scene) else Journal()  # first: a damaged one raises before any change
-    journal, keyed = Journal(), keyframes.set_aside(scene)
+    journal, keyed = Journal(), keyframes.set_aside(scene)  # the keyframes would override the changes
     try:
         yield journal
     except BaseException:
@@ -114,17 +107,15 @@ def undone(scene: Scene) -> Iterator[Journal]:
 
 
 def load(scene: Scene) -> Journal:
-    """The journal of all changes since `take`; raises VibeError as `revert` does."""
+    """The journal of all changes since `take`; raises VibeError without a snapshot, or for a newer or damaged one."""
     if not exists(scene):
         raise schema.VibeError("This scene has no snapshot to revert to.", "Only a vibed scene can be reverted.")
     try:
         return stored_journal.load(scene, KEY)
     except stored_journal.Newer as error:
-        raise schema.VibeError(
-            "This scene was vibed by a newer version of Vibe Render.", "Update Vibe Render, then revert."
-        ) from error
+        message = "This scene was vibed by a newer version of Vibe Render."
+        raise schema.VibeError(message, "Update Vibe Render, then revert.") from error
     except stored_journal.Damaged as error:
-        raise schema.VibeError(
-            "What this scene was like before its vibe is damaged in this file.",
-            "Press Keep: the values stay as they are now, and the next vibe starts from them.",
-        ) from error
+        message = "What this scene was like before its vibe is damaged in this file."
+        remedy = "Press Keep: the values stay as they are now, and the next vibe starts from them."
+        raise schema.VibeError(message, remedy) from error

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from bpy.types import Material, Object, Scene
 from mathutils import Matrix, Vector
 
 from ..core.color import Color
@@ -19,14 +20,13 @@ from .geometry.meshes import array
 from .orbits import orbit_matrix
 
 Point = Sequence[float] | np.ndarray
-DEMO_SUBJECT = "Suzanne"
-"""The object that the demo's prompts are about."""
+DEMO_SUBJECT = "Suzanne"  # the object that the demo's prompts are about
 _DEMO_VIEW = (24.0, 9.0)
 _CAMERA = (32.0, 12.0)  # azimuth and elevation, degrees
 _WALL = 8.0  # distance of the backdrop, in radii of the subject
 
 
-def plain_material(name: str, color: Color, roughness: float = 0.5, metallic: float = 0.0) -> bpy.types.Material:
+def plain_material(name: str, color: Color, roughness: float = 0.5, metallic: float = 0.0) -> Material:
     """A Principled material with constant inputs; its base color is linear Rec.709."""
     new_material = bpy.data.materials.new(name)
     shader = next(n for n in enable_nodes(new_material).nodes if n.bl_idname == "ShaderNodeBsdfPrincipled")
@@ -37,7 +37,7 @@ def plain_material(name: str, color: Color, roughness: float = 0.5, metallic: fl
     return new_material
 
 
-def plain_world(scene: bpy.types.Scene, color: Color, strength: float = 1.0) -> None:
+def plain_world(scene: Scene, color: Color, strength: float = 1.0) -> None:
     """Gives the scene a world of one color."""
     scene.world = bpy.data.worlds.new("World")
     background = next(n for n in enable_nodes(scene.world).nodes if n.bl_idname == "ShaderNodeBackground")
@@ -46,7 +46,7 @@ def plain_world(scene: bpy.types.Scene, color: Color, strength: float = 1.0) -> 
 
 
 def area_light(
-    scene: bpy.types.Scene,
+    scene: Scene,
     name: str,
     angles: tuple[float, float],
     distance: float,
@@ -54,14 +54,10 @@ def area_light(
     radiance: float,
     pivot: Point,
     color: Color = (1.0, 1.0, 1.0),
-) -> bpy.types.Object:
-    """A square area light aimed at the pivot.
+) -> Object:
+    """A square area light aimed at the pivot: angles (azimuth, elevation) in degrees, distance and size in meters.
 
-    Args:
-        angles: Azimuth and elevation, degrees.
-        distance: From the pivot, meters.
-        size: Edge length, meters.
-        radiance: The radiance of a white diffuse surface at the pivot that faces the light.
+    `radiance` is that of a white diffuse surface at the pivot that faces the light.
     """
     lamp = bpy.data.lights.new(name, "AREA")
     lamp.shape, lamp.size, lamp.color = "SQUARE", size, color
@@ -73,21 +69,12 @@ def area_light(
 
 
 def framing_camera(
-    scene: bpy.types.Scene,
-    points: np.ndarray,
-    angles: tuple[float, float],
-    fov: float,
-    fill: float,
-    pivot: Point | None = None,
-) -> bpy.types.Object:
-    """Adds a camera that sees all points, and makes it the scene's camera.
+    scene: Scene, points: np.ndarray, angles: tuple[float, float], fov: float, fill: float, pivot: Point | None = None
+) -> Object:
+    """Adds a camera that sees all points (N, 3), world space, and makes it the scene's camera.
 
-    Args:
-        points: (N, 3), world space.
-        angles: Azimuth and elevation, degrees.
-        fov: Field of view along the longer side of the image, degrees.
-        fill: How far the points may reach from the image's center toward its border; 1 is the border.
-        pivot: The point that the camera looks at; None for the center of the points' bounding box.
+    It looks at the pivot, by default the center of the points' bounding box, from angles (azimuth, elevation), degrees.
+    `fov` is its field of view along the longer side, degrees. The points reach to `fill` of the way to the border.
     """
     middle = np.asarray(pivot if pivot is not None else (points.min(0) + points.max(0)) / 2)
     x, y, z = ((points - middle) @ np.array(schema.orbit.frame(*angles))).T
@@ -105,9 +92,7 @@ def framing_camera(
     return obj
 
 
-def mesh_object(
-    scene: bpy.types.Scene, name: str, vertices: np.ndarray, faces: list, stuff: bpy.types.Material
-) -> bpy.types.Object:
+def mesh_object(scene: Scene, name: str, vertices: np.ndarray, faces: list, stuff: Material) -> Object:
     """Adds a smooth-shaded mesh with one material; vertices (V, 3), faces as lists of vertex indices."""
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(vertices.tolist(), [], faces)
@@ -118,39 +103,28 @@ def mesh_object(
     return obj
 
 
-def floor(scene: bpy.types.Scene, half_size: float, stuff: bpy.types.Material) -> bpy.types.Object:
+def floor(scene: Scene, half_size: float, stuff: Material) -> Object:
     """Adds a square floor at height 0, centered at the origin."""
     corners = half_size * np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], float)
     return mesh_object(scene, "Stage", corners, [(0, 1, 2, 3)], stuff)
 
 
-def cyclorama(
-    scene: bpy.types.Scene, radius: float, height: float, azimuth: float, stuff: bpy.types.Material
-) -> bpy.types.Object:
-    """Adds a round floor that curves up into a wall behind the subject, without a visible edge.
-
-    The wall covers about two thirds of the circle. It is open around `azimuth` (degrees), where the camera may move.
-    """
+def cyclorama(scene: Scene, radius: float, height: float, azimuth: float, stuff: Material) -> Object:
+    """Adds a round floor that curves up into a wall, without a visible edge; open around an azimuth, degrees."""
     turn = np.linspace(0, math.pi / 2, 17)
     bend = 0.5 * radius
     start = np.linspace(0.01 * radius, radius - bend, 5)
     # profile of the wall, (P, 2): distance from the center, height
-    wall = np.stack(
-        [
-            np.concatenate([start, radius - bend + bend * np.sin(turn[1:]), [radius]]),
-            np.concatenate([np.zeros(5), bend - bend * np.cos(turn[1:]), [height]]),
-        ],
-        axis=1,
-    )
+    away = np.concatenate([start, radius - bend + bend * np.sin(turn[1:]), [radius]])
+    wall = np.stack([away, np.concatenate([np.zeros(5), bend - bend * np.cos(turn[1:]), [height]])], axis=1)
     flat = np.stack([np.linspace(0.01 * radius, radius, len(wall)), np.zeros(len(wall))], axis=1)
+    # The wall covers about two thirds of the circle: the camera may move in the rest.
     around = np.arange(0, 360, 5)
     raised = np.clip((np.abs((around - azimuth + 180) % 360 - 180) - 60) / 30, 0, 1)
     raised = (raised**2 * (3 - 2 * raised))[:, None, None]
-    profiles = raised * wall + (1 - raised) * flat  # (A, P, 2)
+    away, up = np.moveaxis(raised * wall + (1 - raised) * flat, -1, 0)  # (A, P) each
     angle = np.radians(around)[:, None]
-    vertices = np.stack(
-        [profiles[..., 0] * np.sin(angle), -profiles[..., 0] * np.cos(angle), profiles[..., 1]], axis=-1
-    )
+    vertices = np.stack([away * np.sin(angle), -away * np.cos(angle), up], axis=-1)
     spoke, ring = np.meshgrid(np.arange(len(around)), np.arange(len(wall) - 1), indexing="ij")
     here, there = spoke * len(wall) + ring, (spoke + 1) % len(around) * len(wall) + ring
     faces = np.stack([here, here + 1, there + 1, there], axis=-1).reshape(-1, 4)
@@ -162,39 +136,11 @@ def cyclorama(
     return mesh_object(scene, "Stage", points, [*faces.tolist(), *lid.tolist()], stuff)
 
 
-def build_demo() -> bpy.types.Scene:
+def build_demo() -> Scene:
     """Starts an empty file and builds the demo scene in it."""
-    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True, load_ui=False)
-    scene = bpy.context.scene
-    scene.render.resolution_x = scene.render.resolution_y = 1024
-    clay = plain_material("Clay", (0.46, 0.40, 0.34), roughness=0.45)
-    stone = plain_material("Stone", (0.55, 0.53, 0.50), roughness=0.6)
-    brass = plain_material("Brass", (0.72, 0.48, 0.19), roughness=0.22, metallic=1.0)
-    enamel = plain_material("Enamel", (0.09, 0.16, 0.22), roughness=0.18)
+    scene = _empty_scene()
+    _add_demo_objects()
     wall = plain_material("Wall", (0.36, 0.35, 0.34), roughness=0.8)
-    bpy.ops.mesh.primitive_monkey_add(size=1.15, location=(0.0, 0.0, 1.19))
-    suzanne = bpy.context.object
-    suzanne.name = DEMO_SUBJECT
-    # Suzanne looks to the front; this turns her a little toward the key light
-    suzanne.rotation_euler = (math.radians(-14), 0.0, math.radians(4))
-    smooth = suzanne.modifiers.new("Smooth", "SUBSURF")
-    smooth.levels = smooth.render_levels = 3
-    _finish_solid(suzanne, clay)
-    bpy.ops.mesh.primitive_cylinder_add(vertices=96, radius=0.5, depth=0.72, location=(0.0, 0.0, 0.36))
-    _round(bpy.context.object, 0.03)
-    _finish_solid(bpy.context.object, stone).name = "Plinth"
-    bpy.ops.mesh.primitive_torus_add(
-        major_radius=0.32,
-        minor_radius=0.075,
-        major_segments=96,
-        minor_segments=32,
-        location=(0.78, -0.5, 0.385),
-        rotation=(math.radians(82), 0.0, math.radians(-28)),
-    )
-    _finish_solid(bpy.context.object, brass).name = "Ring"
-    _ball("Large Ball", (-1.05, 0.15, 0.36), 0.36, enamel)
-    _ball("Small Ball", (-0.62, -0.72, 0.17), 0.17, brass)
-    _blocks(stone)
     cyclorama(scene, 8.0, 7.0, _DEMO_VIEW[0], wall).name = "Backdrop"
     pivot = np.array([0.0, 0.0, 0.86])
     framed = pivot + np.array([(-1.3, 0, 0), (1.3, 0, 0), (0, 0, 0.95)])
@@ -202,41 +148,66 @@ def build_demo() -> bpy.types.Scene:
     area_light(scene, "Key", (-35.0, 38.0), 4.5, 1.4, 1.45, pivot, (1.0, 0.95, 0.88))
     area_light(scene, "Rim", (150.0, 32.0), 4.5, 1.2, 1.0, pivot, (0.86, 0.93, 1.0))
     plain_world(scene, (0.5, 0.53, 0.57), strength=0.22)
-    suzanne.select_set(True)
+    scene.objects[DEMO_SUBJECT].select_set(True)
     return scene
 
 
-def _ball(name: str, place: tuple[float, float, float], radius: float, stuff: bpy.types.Material) -> None:
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=radius, location=place)
-    _finish_solid(bpy.context.object, stuff).name = name
+def _empty_scene() -> Scene:
+    """The scene of a new, empty file; a square image."""
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True, load_ui=False)
+    scene = bpy.context.scene
+    scene.render.resolution_x = scene.render.resolution_y = 1024
+    return scene
 
 
-def _blocks(stuff: bpy.types.Material) -> None:
-    """Blocks in a row: an array of one beveled block."""
+def _add_demo_objects() -> None:
+    clay = plain_material("Clay", (0.46, 0.40, 0.34), roughness=0.45)
+    stone = plain_material("Stone", (0.55, 0.53, 0.50), roughness=0.6)
+    brass = plain_material("Brass", (0.72, 0.48, 0.19), roughness=0.22, metallic=1.0)
+    enamel = plain_material("Enamel", (0.09, 0.16, 0.22), roughness=0.18)
+    bpy.ops.mesh.primitive_monkey_add(size=1.15, location=(0.0, 0.0, 1.19))
+    suzanne = bpy.context.object
+    # Suzanne looks to the front; this turns her a little toward the key light
+    suzanne.rotation_euler = (math.radians(-14), 0.0, math.radians(4))
+    smooth = suzanne.modifiers.new("Smooth", "SUBSURF")
+    smooth.levels = smooth.render_levels = 3
+    _finish(DEMO_SUBJECT, clay)
+    bpy.ops.mesh.primitive_cylinder_add(vertices=96, radius=0.5, depth=0.72, location=(0.0, 0.0, 0.36))
+    _finish("Plinth", stone, bevel=0.03)
+    ring = {"major_radius": 0.32, "minor_radius": 0.075, "major_segments": 96, "minor_segments": 32}
+    turn = (math.radians(82), 0.0, math.radians(-28))
+    bpy.ops.mesh.primitive_torus_add(**ring, location=(0.78, -0.5, 0.385), rotation=turn)
+    _finish("Ring", brass)
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=0.36, location=(-1.05, 0.15, 0.36))
+    _finish("Large Ball", enamel)
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=0.17, location=(-0.62, -0.72, 0.17))
+    _finish("Small Ball", brass)
     bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.72, 0.75, 0.3))
-    thing = bpy.context.object
-    thing.scale = (0.24, 0.24, 0.6)
-    row = thing.modifiers.new("Row", "ARRAY")
+    bpy.context.object.scale = (0.24, 0.24, 0.6)
+    row = bpy.context.object.modifiers.new("Row", "ARRAY")
     row.count = 3
     row.relative_offset_displace = (1.25, 0.0, 0.0)
-    _round(thing, 0.02)
-    _finish_solid(thing, stuff).name = "Blocks"
+    _finish("Blocks", stone, bevel=0.02)
 
 
-def _round(thing: bpy.types.Object, width: float) -> None:
-    bevel = thing.modifiers.new("Bevel", "BEVEL")
-    bevel.width, bevel.segments, bevel.limit_method = width, 4, "ANGLE"
-
-
-def _finish_solid(thing: bpy.types.Object, stuff: bpy.types.Material) -> bpy.types.Object:
-    thing.data.shade_smooth()
-    thing.data.set_sharp_from_angle(angle=math.radians(40))
+def _finish(name: str, stuff: Material, bevel: float = 0.0) -> None:
+    """Names and smooths the object that was added last, rounds its edges, and gives it a material."""
+    thing = bpy.context.object
+    thing.name = name
+    if bevel:
+        edges = thing.modifiers.new("Bevel", "BEVEL")
+        edges.width, edges.segments, edges.limit_method = bevel, 4, "ANGLE"
+    _shade(thing)
     thing.data.materials.append(stuff)
     thing.select_set(False)
-    return thing
 
 
-def build_stage(path: str | Path, kind: str = "cyclorama") -> bpy.types.Scene:
+def _shade(thing: Object) -> None:
+    thing.data.shade_smooth()
+    thing.data.set_sharp_from_angle(angle=math.radians(40))
+
+
+def build_stage(path: str | Path, kind: str = "cyclorama") -> Scene:
     """Starts an empty file and stages the mesh in it; the subject's objects are left selected.
 
     The mesh is moved to stand on height 0, and scaled until half the diagonal of its bounding box is 1 m. Raises
@@ -246,17 +217,21 @@ def build_stage(path: str | Path, kind: str = "cyclorama") -> bpy.types.Scene:
         raise schema.VibeError(f"There is no stage {kind!r}.", f"Use one of: {', '.join(options.STAGES)}.")
     path = Path(path).absolute()
     if path.suffix.lower() not in limits.MESH_FORMATS:
-        raise schema.VibeError(
-            f"{path.name} is not a mesh that can be staged.", f"Use {', '.join(limits.MESH_FORMATS)}."
-        )
+        remedy = f"Use {', '.join(limits.MESH_FORMATS)}."
+        raise schema.VibeError(f"{path.name} is not a mesh that can be staged.", remedy)
     if not path.is_file():
         raise schema.VibeError(f"There is no file {path}.", "Check the path.")
-    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True, load_ui=False)
-    scene = bpy.context.scene
-    scene.render.resolution_x = scene.render.resolution_y = 1024
+    scene = _empty_scene()
     meshes = _import_meshes(path)
     points = _normalize(meshes, path)
-    _dress(meshes)
+    plain = None
+    for mesh in meshes:
+        if not any(slot.material for slot in mesh.material_slots):
+            plain = plain or plain_material("Subject", (0.5, 0.5, 0.5), roughness=0.35)
+            mesh.data.materials.clear()
+            mesh.data.materials.append(plain)
+        if not mesh.data.has_custom_normals:
+            _shade(mesh)
     pivot = (points.min(0) + points.max(0)) / 2
     framing_camera(scene, points, _CAMERA, fov=30.0, fill=0.78)
     # key from the left, softer fill from the right, rim from behind, a dim neutral world
@@ -277,17 +252,12 @@ def build_stage(path: str | Path, kind: str = "cyclorama") -> bpy.types.Scene:
     return scene
 
 
-def _import_meshes(path: Path) -> list[bpy.types.Object]:
+def _import_meshes(path: Path) -> list[Object]:
     """Imports a file and returns its mesh objects; removes its lights and cameras."""
-    importers = {
-        ".obj": bpy.ops.wm.obj_import,
-        ".ply": bpy.ops.wm.ply_import,
-        ".stl": bpy.ops.wm.stl_import,
-        ".glb": bpy.ops.import_scene.gltf,
-        ".gltf": bpy.ops.import_scene.gltf,
-    }
+    kind = path.suffix.lower()[1:]
+    operator = bpy.ops.import_scene.gltf if kind in ("glb", "gltf") else getattr(bpy.ops.wm, f"{kind}_import")
     try:
-        importers[path.suffix.lower()](filepath=str(path))
+        operator(filepath=str(path))
     except RuntimeError as error:
         reason = str(error).strip().splitlines()[-1].removeprefix("Error: ").rstrip(".")
         raise schema.VibeError(f"{path.name} cannot be read: {reason}.", "Export it again.") from error
@@ -300,7 +270,7 @@ def _import_meshes(path: Path) -> list[bpy.types.Object]:
     return meshes
 
 
-def _normalize(meshes: list[bpy.types.Object], path: Path) -> np.ndarray:
+def _normalize(meshes: list[Object], path: Path) -> np.ndarray:
     """Moves and scales the imported objects onto the stage; returns their vertices (V, 3)."""
     bpy.context.view_layer.update()
     points = np.concatenate([_vertices(o) for o in meshes])
@@ -316,21 +286,9 @@ def _normalize(meshes: list[bpy.types.Object], path: Path) -> np.ndarray:
     return np.concatenate([_vertices(o) for o in meshes])
 
 
-def _vertices(thing: bpy.types.Object) -> np.ndarray:
+def _vertices(thing: Object) -> np.ndarray:
     """An object's evaluated vertices (V, 3), world space: a skeleton may move them far from their place in the file."""
     posed = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
     vertices = array(posed.data.vertices, "co", (len(posed.data.vertices), 3), np.float32)
     matrix = np.array(posed.matrix_world)
     return vertices @ matrix[:3, :3].T + matrix[:3, 3]
-
-
-def _dress(meshes: list[bpy.types.Object]) -> None:
-    plain = None
-    for thing in meshes:
-        if not any(slot.material for slot in thing.material_slots):
-            plain = plain or plain_material("Subject", (0.5, 0.5, 0.5), roughness=0.35)
-            thing.data.materials.clear()
-            thing.data.materials.append(plain)
-        if not thing.data.has_custom_normals:
-            thing.data.shade_smooth()
-            thing.data.set_sharp_from_angle(angle=math.radians(40))

@@ -7,17 +7,11 @@ import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-import bpy
 import numpy as np
 from bpy.types import Object, Scene
 
 from ..core.schema_import import schema
-from .geometry.triangles import SceneGeometry
-from .geometry.visibility import RAYS, VisibleSurfaces
-
-_PROMINENT = 0.1  # relative to the most prominent object's weight: objects below it are decoration
-_FLAT = 0.35  # most height over width of an object that others stand on
-_SLACK = 0.02  # how far a part may stick out of the subject's box, in parts of its longest side
+from .geometry.triangles import RAYS, SceneGeometry, VisibleSurfaces
 
 SUBJECT_KEY = "vibe_subject"
 
@@ -36,26 +30,21 @@ class SubjectChoice:
 
 
 def choose_subject(
-    scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces, choice: SubjectChoice
+    scene: Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces, choice: SubjectChoice
 ) -> np.ndarray:
-    """The objects of the geometry that are the subject: (number of objects,) bool, at least one True.
-
-    Raises VibeError for an unknown name, or if no chosen object is visible to a render.
-    """
+    """(N,) bool: the objects of the geometry that are the subject, at least one; raises VibeError for a wrong choice."""
     names = {o.name_full for o in named_objects(scene, choice)}
-    if not names:
-        return automatic_subject(scene, geometry, surfaces)
     chosen = np.array([name in names or parent in names for name, parent in geometry.objects])
-    if not chosen.any():
-        if not choice.explicit:  # the stored subject is not in the image now
-            return automatic_subject(scene, geometry, surfaces)
+    if chosen.any():
+        return chosen
+    if names and choice.explicit:
         raise schema.VibeError("The chosen subject has no mesh that a render shows.", "Choose another object.")
-    return chosen
+    return automatic_subject(scene, geometry, surfaces)  # no choice, or a stored subject that is not in the image now
 
 
-def named_objects(scene: bpy.types.Scene, choice: SubjectChoice) -> list[bpy.types.Object]:
+def named_objects(scene: Scene, choice: SubjectChoice) -> list[Object]:
     """The chosen or stored objects with their children; empty without a choice. Raises VibeError for an unknown name."""
-    chosen: list[bpy.types.Object] = []
+    chosen: list[Object] = []
     for name in choice.objects:
         collection = next((c for c in scene.collection.children_recursive if c.name == name), None)
         if collection is None and name not in scene.objects:
@@ -71,12 +60,8 @@ def named_objects(scene: bpy.types.Scene, choice: SubjectChoice) -> list[bpy.typ
     return list(dict.fromkeys(o for thing in chosen for o in (thing, *thing.children_recursive)))
 
 
-def automatic_subject(scene: bpy.types.Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces) -> np.ndarray:
-    """The prominent objects in view, without their grounds and backdrops: (number of objects,) bool.
-
-    Surroundings are objects that reach three sides of the image or enclose the camera, thin objects at the image's
-    border, and flat ones that carry another object. But objects inside the subject's bounding box are parts of it.
-    """
+def automatic_subject(scene: Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces) -> np.ndarray:
+    """The prominent objects in view, without their grounds and backdrops: (number of objects,) bool."""
     count = len(geometry.objects)
     seen = surfaces.object >= 0
     # The middle of the image counts most: the weights of the rays are (R, R).
@@ -90,15 +75,16 @@ def automatic_subject(scene: bpy.types.Scene, geometry: SceneGeometry, surfaces:
     borders = np.bincount(shown[shown >= 0], minlength=count)
     eye = np.array(scene.camera.matrix_world.translation)
     enclosing = ((geometry.boxes[:, 0] < eye) & (eye < geometry.boxes[:, 1])).all(1)
+    # Surroundings are objects that reach three sides of the image or enclose the camera, and grounds.
     loose = visible & ~enclosing & (borders < 3)
     apart = loose.copy()  # compares visible objects only: a scene may have thousands
     apart[visible] &= ~_grounds(geometry.boxes[visible], borders[visible])
     if not apart.any():  # a close-up: the object that fills the image is the subject
         apart = weight == weight.max()
-    subject = apart & (weight >= _PROMINENT * weight[apart].max())
+    subject = apart & (weight >= 0.1 * weight[apart].max())  # with less weight, an object is decoration
     # Objects inside the subject's bounding box are parts of it.
     low, high = geometry.boxes[subject, 0].min(0), geometry.boxes[subject, 1].max(0)
-    slack = _SLACK * (high - low).max()
+    slack = 0.02 * (high - low).max()  # a part may stick out a little
     within = ((geometry.boxes[:, 0] >= low - slack) & (geometry.boxes[:, 1] <= high + slack)).all(1)
     return subject | (loose & ~_thin(geometry.boxes) & within)
 
@@ -110,7 +96,7 @@ def _grounds(boxes: np.ndarray, borders: np.ndarray) -> np.ndarray:
     """
     size = boxes[:, 1] - boxes[:, 0]
     widest = np.maximum(size.max(1), 1e-9)
-    low = size[:, 2] < _FLAT * widest
+    low = size[:, 2] < 0.35 * widest  # flat enough that others may stand on it
     slack = 0.05 * widest[:, None]
     middle = boxes.mean(1)
     over = (boxes[:, None, 0, :2] < middle[None, :, :2]) & (middle[None, :, :2] < boxes[:, None, 1, :2])

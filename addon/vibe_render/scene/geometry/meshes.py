@@ -7,17 +7,13 @@ from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import Any
 
-import bpy
 import numpy as np
+from bpy.types import Depsgraph, Material, Mesh, Object, Scene
 
 from ...core import rendered
-from .triangles import PlacedMesh, SceneGeometry, SourceMesh, assembled
-from .visibility import RayCamera
+from .triangles import PlacedMesh, RayCamera, SceneGeometry, SourceMesh, assembled
 
-DEFAULT_MATERIAL = ""
-"""Name that stands for faces without a material."""
-
-UvLookup = Callable[[bpy.types.Material], tuple[str, np.ndarray]]
+UvLookup = Callable[[Material], tuple[str, np.ndarray]]
 """For a material: the name of its UV map ("" for the active one), and a 3x3 matrix applied to the UVs."""
 
 _SKIPPED = {"CURVES": "hair", "VOLUME": "a volume object", "POINTCLOUD": "a point cloud"}
@@ -30,7 +26,7 @@ _NORMALS = np.array([(-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (
 """The normals of the sides."""
 
 
-def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[list[PlacedMesh], list[str]]:
+def collect_meshes(depsgraph: Depsgraph, uv_of: UvLookup) -> tuple[list[PlacedMesh], list[str]]:
     """The evaluated meshes that a final render's dependency graph shows, and notes about what could not be read."""
     meshes: dict[tuple, SourceMesh] = {}
     # Thousands of instances share an object and its mesh: their content is read once.
@@ -48,8 +44,7 @@ def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[lis
             continue
         key = thing.original.as_pointer(), thing.data.as_pointer()
         if key not in known:
-            top = instance.parent or thing
-            if note := rendered.surface_note(top, of):
+            if note := rendered.surface_note(instance.parent or thing, of):
                 warnings[note] = None
             slots = rendered.worn(thing, of)
             names = _names(slots)
@@ -66,11 +61,11 @@ def collect_meshes(depsgraph: bpy.types.Depsgraph, uv_of: UvLookup) -> tuple[lis
     return placed, list(warnings)
 
 
-def _names(slots: list[bpy.types.Material | None]) -> tuple[str, ...]:
-    return tuple(material.name_full if material else DEFAULT_MATERIAL for material in slots)
+def _names(slots: list[Material | None]) -> tuple[str, ...]:
+    return tuple(material.name_full if material else "" for material in slots)
 
 
-def _read_mesh(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvLookup) -> SourceMesh:
+def _read_mesh(mesh: Mesh, slots: list[Material | None], uv_of: UvLookup) -> SourceMesh:
     """Copies a mesh. Attributes are read as blocks of memory, a hundred times faster than item by item."""
     mesh.calc_loop_triangles()
     count, corners = len(mesh.loop_triangles), len(mesh.loops)
@@ -78,6 +73,13 @@ def _read_mesh(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_
     # A face whose slot does not exist has the material of the last slot.
     slot = attribute(mesh, "material_index", mesh.polygons, "material_index")
     slot = np.clip(slot, 0, len(slots) - 1)[polygon]
+    uvs = []
+    if mesh.uv_layers:  # slots that read the same map share one array
+        active = next((layer for layer in mesh.uv_layers if layer.active_render), mesh.uv_layers[0])
+        maps = [uv_of(material) if material else ("", np.eye(3)) for material in slots]
+        layers = [mesh.uv_layers.get(name) or active for name, _ in maps]
+        read = {each.name: array(each.uv, "vector", (corners, 2), np.float32) for each in layers}
+        uvs = [(read[each.name], matrix) for each, (_, matrix) in zip(layers, maps, strict=True)]
     return SourceMesh(
         vertices=array(mesh.vertices, "co", (len(mesh.vertices), 3), np.float32),
         corners=attribute(mesh, ".corner_vert", mesh.loops, "vertex_index"),
@@ -85,24 +87,11 @@ def _read_mesh(mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_
         triangles=array(mesh.loop_triangles, "loops", (count, 3), np.int32),
         slot=slot,
         solid=np.array([rendered.has_surface(m) for m in slots]),
-        uvs=_uvs(mesh, slots, uv_of),
+        uvs=uvs,
     )
 
 
-def _uvs(
-    mesh: bpy.types.Mesh, slots: list[bpy.types.Material | None], uv_of: UvLookup
-) -> list[tuple[np.ndarray, np.ndarray]]:
-    """See `SourceMesh.uvs`; slots that read the same map share one array."""
-    if not mesh.uv_layers:
-        return []
-    active = next((layer for layer in mesh.uv_layers if layer.active_render), mesh.uv_layers[0])
-    maps = [uv_of(material) if material else ("", np.eye(3)) for material in slots]
-    layers = [mesh.uv_layers.get(name) or active for name, _ in maps]
-    read = {each.name: array(each.uv, "vector", (len(mesh.loops), 2), np.float32) for each in layers}
-    return [(read[each.name], matrix) for each, (_, matrix) in zip(layers, maps, strict=True)]
-
-
-def attribute(mesh: bpy.types.Mesh, name: str, items: Any, same: str) -> np.ndarray:
+def attribute(mesh: Mesh, name: str, items: Any, same: str) -> np.ndarray:
     """An integer attribute of each item; the items' own property where the mesh has no attribute of that name."""
     layer = mesh.attributes.get(name)
     return array(layer.data if layer else items, "value" if layer else same, (len(items),), np.int32)
@@ -116,12 +105,8 @@ def array(collection, attribute: str, shape: tuple[int, ...], kind: type) -> np.
     return flat.reshape(shape)
 
 
-def box_geometry(scene: bpy.types.Scene, shown: Collection[bpy.types.Object], camera: RayCamera) -> SceneGeometry:
-    """The sides of bounding boxes that face away from a camera. They never hide an object inside or in front of a box.
-
-    Args:
-        shown: The objects that count, of all that a render shows.
-    """
+def box_geometry(scene: Scene, shown: Collection[Object], camera: RayCamera) -> SceneGeometry:
+    """The sides of bounding boxes of `shown` objects that face away from a camera: they hide nothing in or before a box."""
     of = rendered.layer(scene)
     known: dict[tuple[int, int], PlacedMesh] = {}
     placed: list[PlacedMesh] = []
@@ -136,15 +121,20 @@ def box_geometry(scene: bpy.types.Scene, shown: Collection[bpy.types.Object], ca
             known[key] = PlacedMesh(mesh, _names(slots), np.eye(4), owner, hidden)
         box = known[key]
         placed.append(PlacedMesh(box.mesh, box.materials, np.array(matrix), owner, box.hidden))
-    return _far_sides(assembled(placed, []), camera)
+    geometry = assembled(placed, [])
+    ahead = -camera.pose[:3, 2]
+    if not camera.flat:
+        ahead = geometry.vertices[geometry.faces].mean(1) - camera.pose[:3, 3]
+    far = (geometry.normals[:, 0] * ahead).sum(1) > 0
+    of_faces = ("faces", "normals", "uvs", "material", "object")
+    return replace(geometry, **{name: getattr(geometry, name)[far] for name in of_faces})
 
 
-def _box_mesh(thing: bpy.types.Object, slots: list[bpy.types.Material | None]) -> SourceMesh:
-    """The bounding box of an object, cut along its longest side into a part for each of S material slots.
-
-    A part is as long as the slot's share of the faces.
-    """
-    ratios = _face_ratios(thing.data, len(slots))
+def _box_mesh(thing: Object, slots: list[Material | None]) -> SourceMesh:
+    """The box of an object, cut along its longest side for S material slots, by their shares of the faces."""
+    index = thing.data.attributes.get("material_index") if len(slots) > 1 else None
+    faces = array(index.data, "value", (len(index.data),), np.int32) if index else np.zeros(1, np.int32)
+    ratios = np.bincount(np.clip(faces, 0, len(slots) - 1), minlength=len(slots)) / max(len(faces), 1)
     whole = np.array([thing.bound_box[0], thing.bound_box[6]])
     axis = np.ptp(whole, axis=0).argmax()
     cuts = whole[0, axis] + np.cumsum([0.0, *ratios]) * np.ptp(whole[:, axis])
@@ -162,20 +152,3 @@ def _box_mesh(thing: bpy.types.Object, slots: list[bpy.types.Material | None]) -
         solid=np.array([rendered.has_surface(material) for material in slots]) & (ratios > 0.0),
         uvs=[],
     )
-
-
-def _face_ratios(mesh: bpy.types.Mesh, count: int) -> np.ndarray:
-    """The share of a mesh's faces that use each of `count` material slots: (count,), sum 1."""
-    index = mesh.attributes.get("material_index") if count > 1 else None
-    faces = array(index.data, "value", (len(index.data),), np.int32) if index else np.zeros(1, np.int32)
-    return np.bincount(np.clip(faces, 0, count - 1), minlength=count) / max(len(faces), 1)
-
-
-def _far_sides(geometry: SceneGeometry, camera: RayCamera) -> SceneGeometry:
-    """The triangles that face away from a camera."""
-    ahead = -camera.pose[:3, 2]
-    if not camera.flat:
-        ahead = geometry.vertices[geometry.faces].mean(1) - camera.pose[:3, 3]
-    far = (geometry.normals[:, 0] * ahead).sum(1) > 0
-    of_faces = ("faces", "normals", "uvs", "material", "object")
-    return replace(geometry, **{name: getattr(geometry, name)[far] for name in of_faces})

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Assembles the meshes read from a scene to triangles in world space. Does not use bpy."""
+"""Triangles in world space: assembled from meshes, and seen by a camera through a coarse grid of rays.
+
+A thread may use all of it but `ray_camera`, which reads Blender's data.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +10,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from bpy.types import Scene
+from mathutils import Vector
+from mathutils.bvhtree import BVHTree
 
-FARTHEST = 1e9
-"""Meters from the origin beyond which squares of areas leave the range of 32-bit floats."""
-_BATCH = 1_000_000
-"""Most vertices that are transformed at once for copies of a mesh; limits memory."""
+from ...core.rendered import FILM
+
+RAYS = 48  # along each side of the image
+_SLACK = 1e-3  # in steps between rays: how far rounding may move a corner
 
 
 @dataclass(frozen=True)
@@ -24,8 +30,7 @@ class SourceMesh:
     triangles: np.ndarray  # (F, 3) int32, corners
     slot: np.ndarray  # (F,) int32, the number of the material slot
     solid: np.ndarray  # (S,) bool, which slots show a surface
-    # for each slot the UVs that its material's texture reads, (C, 2) float32, and a 3x3 matrix for them; empty
-    # without a UV map
+    # for each slot the UVs that its texture reads, (C, 2) float32, and a 3x3 matrix for them; empty without a UV map
     uvs: list[tuple[np.ndarray, np.ndarray]]
 
 
@@ -37,8 +42,7 @@ class PlacedMesh:
     materials: tuple[str, ...]  # a name for each slot
     matrix: np.ndarray  # (4, 4), to world space
     owner: tuple[str, str]  # name of the object, and of the object that instances it ("" for none)
-    # kinds of rays that pass through it, by Blender's names: "camera", "shadow", …
-    hidden: frozenset[str] = frozenset()
+    hidden: frozenset[str] = frozenset()  # the kinds of rays that pass through it: "camera", "shadow", …
 
 
 @dataclass
@@ -52,8 +56,7 @@ class SceneGeometry:
     material: np.ndarray  # (F,) int32, number in `materials`
     object: np.ndarray  # (F,) int32, number in `objects`
     materials: list[str]  # names; "" for faces without a material
-    # (name, name of the object that instances it, "" for none)
-    objects: list[tuple[str, str]]
+    objects: list[tuple[str, str]]  # name, and name of the object that instances it ("" for none)
     boxes: np.ndarray  # (N, 2, 3), the least and the greatest corner of each object
     hidden: list[frozenset[str]]  # for each object, the kinds of rays that pass through it
     warnings: list[str]  # notes about what was left out, in words for the artist
@@ -96,8 +99,7 @@ def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
         else:
             low, high = boxes[owner]
             boxes[owner] = np.stack([np.minimum(low, piece.box[0]), np.maximum(high, piece.box[1])])
-        owners = np.full(len(piece.faces), owner, np.int32)
-        rest = piece.normals, piece.uvs, by_slot[piece.slot], owners
+        rest = piece.normals, piece.uvs, by_slot[piece.slot], np.full(len(piece.faces), owner, np.int32)
         parts.append((piece.vertices, piece.faces + count, *rest))
         count += len(piece.vertices)
     vertices, faces, normals, uvs, material, owned = map(np.concatenate, zip(*parts, strict=True))
@@ -131,16 +133,20 @@ def _pieces(copies: list[PlacedMesh]) -> Iterator[_Piece]:
     for number, (layer, matrix) in enumerate(mesh.uvs):
         chosen = slot == number
         uvs[chosen] = layer[corners[chosen]] @ matrix[:2, :2].T + matrix[:2, 2]
-    step = max(1, _BATCH // len(mesh.vertices))
+    step = max(1, 1_000_000 // len(mesh.vertices))  # a million vertices at once: limits memory
     for first in range(0, len(copies), step):
         matrices = np.stack([copy.matrix for copy in copies[first : first + step]])
         mirrored = np.linalg.det(matrices[:, :3, :3]) < 0
         vertices, normals = _place(mesh.vertices, own_normals, matrices, np.where(mirrored, -1.0, 1.0))
-        x, y, z = np.moveaxis(np.abs(vertices) < FARTHEST, -1, 0)  # also false for NaN
+        # Farther away, squares of areas leave the range of 32-bit floats. False for NaN, too.
+        x, y, z = np.moveaxis(np.abs(vertices) < 1e9, -1, 0)
         usable = x & y & z
         vertices[~usable] = 0.0
         points = vertices[:, faces]
-        whole = _has_area(points)
+        # Triangles that are only lines or points have no cross product; np.cross takes four times as long.
+        a, b, c = np.moveaxis(points.astype(float), -2, 0)
+        (x, y, z), (u, v, w) = np.moveaxis(b - a, -1, 0), np.moveaxis(c - a, -1, 0)
+        whole = (y * w != z * v) | (z * u != x * w) | (x * v != y * u)
         if not usable.all():
             whole &= usable[:, faces].all(2)
         boxes = np.stack([points.min((1, 2)), points.max((1, 2))], axis=1)
@@ -149,39 +155,25 @@ def _pieces(copies: list[PlacedMesh]) -> Iterator[_Piece]:
             keep = slice(None) if complete else whole[copy]
             # a mirrored copy keeps its winding counter-clockwise seen from outside
             order = slice(None, None, -1 if mirrored[copy] else 1)
+            kept = points[copy][keep].reshape(-1, 3)
             yield _Piece(
                 vertices[copy],
                 faces[keep][:, order],
                 normals[copy][keep][:, order],
                 uvs[keep][:, order],
                 slot[keep],
-                boxes[copy] if complete else _box(points[copy][keep].reshape(-1, 3)),
+                boxes[copy] if complete or not len(kept) else np.stack([kept.min(0), kept.max(0)]),
                 not usable[copy].all(),
             )
-
-
-def _box(points: np.ndarray) -> np.ndarray:
-    return np.stack([points.min(0), points.max(0)]) if len(points) else np.zeros((2, 3), np.float32)
-
-
-def _has_area(corners: np.ndarray) -> np.ndarray:
-    """(..., F) bool: whether triangles (..., F, 3, 3) are more than lines and points."""
-    a, b, c = np.moveaxis(corners.astype(float), -2, 0)
-    (x, y, z), (u, v, w) = np.moveaxis(b - a, -1, 0), np.moveaxis(c - a, -1, 0)
-    return (y * w != z * v) | (z * u != x * w) | (x * v != y * u)  # np.cross takes four times as long
 
 
 def _place(
     vertices: np.ndarray, normals: np.ndarray, matrices: np.ndarray, sign: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices (I, V, 3) and corner normals (I, F, 3, 3) in world space, of copies at matrices (I, 4, 4).
-
-    `sign` (I,) is -1 for mirrored copies.
-    """
+    """Vertices (I, V, 3) and corner normals (I, F, 3, 3) in world space, for matrices (I, 4, 4); sign -1 if mirrored."""
     linear = matrices[:, :3, :3]
     with np.errstate(invalid="ignore", over="ignore"):
-        placed = vertices @ linear.transpose(0, 2, 1) + matrices[:, None, :3, 3]
-        places = placed.astype(np.float32)
+        places = (vertices @ linear.transpose(0, 2, 1) + matrices[:, None, :3, 3]).astype(np.float32)
     # Normals transform by the inverse transpose. The cofactor matrix is the inverse transpose times the
     # determinant, and exists for flattened objects too.
     a, b, c = linear.transpose(1, 0, 2)
@@ -190,3 +182,76 @@ def _place(
     lengths = np.sqrt(np.einsum("...i,...i->...", normals, normals))  # np.linalg.norm takes ten times as long
     normals /= np.maximum(lengths, 1e-12)[..., None]
     return places, normals.astype(np.float32)
+
+
+@dataclass(frozen=True)
+class RayCamera:
+    """The values of a camera that its rays depend on, copied from Blender's data."""
+
+    frame: np.ndarray  # (4, 3), the corners of its image, camera space
+    pose: np.ndarray  # (4, 4), to world space, without scale
+    flat: bool  # whether it is orthographic
+    clip: tuple[float, float]  # nearest and farthest depth that it sees, meters
+
+
+@dataclass(frozen=True)
+class VisibleSurfaces:
+    """The surface that each of R x R rays meets (R = `RAYS`); row 0 is the bottom of the image."""
+
+    object: np.ndarray  # (R, R) int, index into the geometry's objects, -1 for none
+    material: np.ndarray  # (R, R) int, index into its materials, -1 for none
+
+
+def ray_camera(scene: Scene) -> RayCamera:
+    """The scene's camera, copied."""
+    lens, pose = scene.camera.data, np.array(scene.camera.matrix_world.normalized())
+    frame = np.array(lens.view_frame(scene=scene))
+    return RayCamera(frame, pose, lens.type == "ORTHO", (lens.clip_start, lens.clip_end))
+
+
+def visible_surfaces(camera: RayCamera, geometry: SceneGeometry) -> VisibleSurfaces:
+    """Casts the camera's rays at triangles; does not read Blender's data. All -1 for an empty geometry."""
+    hits = np.full((RAYS, RAYS), -1)
+    if len(geometry.faces):
+        # A fine mesh lies mostly between the rays: leaving out triangles that no ray may meet makes a small tree.
+        low, high = camera.frame[:, :2].min(0), camera.frame[:, :2].max(0)
+        pose = np.linalg.inv(camera.pose)
+        points = geometry.vertices @ pose[:3, :3].T + pose[:3, 3]
+        positions = points[:, :2]
+        if not camera.flat:
+            positions = positions * (camera.frame[0, 2] / np.minimum(points[:, 2:], -1e-6))
+        column = ((positions - low) / (high - low) * RAYS - 0.5)[geometry.faces]  # (F, 3, 2), in rays
+        left = np.ceil(np.maximum(column.min(1), 0) - _SLACK)
+        right = np.floor(np.minimum(column.max(1), RAYS - 1) + _SLACK)
+        behind = (points[:, 2] > -1e-6)[geometry.faces].any(1)
+        near = np.flatnonzero(((left <= right).all(1) | behind) & geometry.seen)
+        corners = geometry.vertices[geometry.faces[near]].reshape(-1, 3)
+        faces = np.arange(len(corners)).reshape(-1, 3)
+        tree = BVHTree.FromPolygons(corners.tolist(), faces.tolist(), all_triangles=True)
+        starts, directions = camera_rays(camera, RAYS)
+        slants = 1.0 / np.maximum(directions @ -camera.pose[:3, 2], 1e-6)
+        first, last = camera.clip
+        for index in np.ndindex(hits.shape):
+            toward, slant = Vector(directions[index]), slants[index]
+            start = Vector(starts[index]) + toward * (slant * first)
+            face = tree.ray_cast(start, toward, slant * (last - first))[2]
+            hits[index] = -1 if face is None else near[face]
+        holdout = np.array([FILM in rays for rays in geometry.hidden], bool)[geometry.object]
+        hits[holdout[hits]] = -1  # -1 indexes the last face, but stays -1
+    owner, material = (np.append(a, -1)[hits] for a in (geometry.object, geometry.material))
+    return VisibleSurfaces(owner, material)
+
+
+def camera_rays(camera: RayCamera, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Origins and directions in world space, (count, count, 3) each, of rays through the image; row 0 is the bottom."""
+    low, high = camera.frame.min(0), camera.frame.max(0)
+    u = (np.arange(count) + 0.5) / count
+    x, y = np.meshgrid(low[0] + u * (high[0] - low[0]), low[1] + u * (high[1] - low[1]))
+    points = np.stack([x, y, np.full_like(x, camera.frame[0, 2])], axis=-1)
+    ahead = np.array([0.0, 0.0, -1.0])
+    if camera.flat:
+        starts, directions = points * (1, 1, 0), np.broadcast_to(ahead, points.shape)
+    else:
+        starts, directions = np.zeros_like(points), points
+    directions = directions / np.linalg.norm(directions, axis=-1, keepdims=True)
+    return starts @ camera.pose[:3, :3].T + camera.pose[:3, 3], directions @ camera.pose[:3, :3].T

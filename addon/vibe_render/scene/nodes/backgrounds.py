@@ -20,7 +20,6 @@ from .layers import BACKGROUND, Layer, MixSide, behind
 from .trails import NodeEntry, NodeInGroups, active_links, resolve, search
 
 LIGHT, BACKDROP = "light", "backdrop"
-_ROTATION = "Vibe Rotation"
 _LEFT = 200.0  # from an added node to the next
 HORIZON_KEY = "world/backdrop_horizon"
 WORLD_OF_BACKDROP = {f"world/backdrop_{name}": f"world/{name}" for name in ("color", "tint", "strength")} | {
@@ -28,27 +27,29 @@ WORLD_OF_BACKDROP = {f"world/backdrop_{name}": f"world/{name}" for name in ("col
 }
 """Parameter of a backdrop -> the world's parameter that it starts from; "" for the horizon, which starts untinted."""
 NO_HORIZON = (1.0, 1.0, 1.0)
-_HIGHEST = 0.6  # height of the horizon in the image, 0 to 1, from which the camera counts as looking down
 
 
-def has_backdrop(world: World) -> bool:
+def has_backdrop(world: World | None) -> bool:
     """True if Mix Shaders by Is Camera Ray show the camera other Backgrounds than those that light the scene."""
-    ways = {_seen_by_camera(layer) for layer in _world_layers(world)}
-    return ways == {True, False}
+    return bool(layers_of_part(world, BACKDROP))
 
 
-def mixed_backgrounds(world: World, part: str = LIGHT) -> list[Layer]:
-    """The Background nodes that are mixed into a world's Surface, for what lights the scene (LIGHT) or what the camera sees (BACKDROP).
+def mixed_backgrounds(world: World | None, part: str = LIGHT) -> list[Layer]:
+    """The Backgrounds that are mixed into a part (LIGHT or BACKDROP) of a world; none for a single, plain Background.
 
-    Empty for a single, plain Background.
-
-    A single Background counts as a mix if nodes compute its strength, or if its color depends on the kind of ray.
+    A single Background counts as a mix if nodes compute its strength, if its color depends on the kind of ray, or if it
+    has a share in a Mix Shader.
     """
     found = layers_of_part(world, part)
-    return found if len(found) > 1 or any(_is_mix(layer) for layer in found) else []
+    if len(found) != 1:
+        return found
+    color, strength = found[0].shader.entry("Color"), found[0].shader.entry("Strength")
+    computed = strength is not None and artists_origin(strength).source is not None
+    by_ray = color is not None and search(color, "ShaderNodeLightPath") is not None
+    return found if computed or by_ray or any(map(_weighs, found[0].sides)) else []
 
 
-def single_background(world: World, part: str = LIGHT) -> NodeInGroups | None:
+def single_background(world: World | None, part: str = LIGHT) -> NodeInGroups | None:
     """The only Background of a part of a world; None where it is mixed, or where there is none."""
     found = [] if mixed_backgrounds(world, part) else layers_of_part(world, part)
     return next((layer.shader for layer in found if layer.kind == BACKGROUND), None)
@@ -61,42 +62,15 @@ def mixed_entries(world: World, part: str, name: str) -> list[NodeEntry]:
     return trails.distinct(layer.shader.entry(name, alike) for layer in layers)
 
 
-def shares_picture(world: World) -> bool:
-    """True if backdrop and light get their colors from the same node output, such as one texture."""
-    parts = [single_background(world, part) for part in (LIGHT, BACKDROP)]
-    colors = [background.entry("Color") for background in parts if background]
-    sources = [artists_origin(color).source for color in colors if color]
-    return len(sources) == 2 and sources[0] is not None and sources[0] == sources[1]
-
-
-def _is_mix(layer: Layer) -> bool:
-    """True if a Background counts as mixed: a computed strength, a color by kind of ray, or a share in a Mix Shader."""
-    color, strength = layer.shader.entry("Color"), layer.shader.entry("Strength")
-    computed = strength is not None and artists_origin(strength).source is not None
-    return (
-        computed
-        or (color is not None and search(color, "ShaderNodeLightPath") is not None)
-        or any(map(_weighs, layer.sides))
-    )
-
-
-def _world_layers(world: World) -> list[Layer]:
-    output = compat.output_node(world)
-    return list(behind(output.inputs["Surface"])) if output else []
-
-
-def layers_of_part(world: World, part: str) -> list[Layer]:
+def layers_of_part(world: World | None, part: str) -> list[Layer]:
     """All shaders of a part of a world's surface; without a backdrop of its own, everything is LIGHT."""
-    layers = _world_layers(world)
-    if not has_backdrop(world):
+    output = compat.output_node(world)
+    layers = list(behind(output.inputs["Surface"])) if output else []
+    # True for a Background for camera rays alone, False for all other rays, None for both
+    ways = [next((side.second for side in layer.sides if not _weighs(side)), None) for layer in layers]
+    if {*ways} != {True, False}:
         return layers if part == LIGHT else []
-    return [layer for layer in layers if _seen_by_camera(layer) == (part == BACKDROP)]
-
-
-def _seen_by_camera(layer: Layer) -> bool | None:
-    """True if a Background is for camera rays alone, False if for all other rays, None if for both."""
-    ways = [side.second for side in layer.sides if not _weighs(side)]
-    return ways[0] if ways else None
+    return [layer for layer, way in zip(layers, ways, strict=True) if way == (part == BACKDROP)]
 
 
 def _weighs(side: MixSide) -> bool:
@@ -178,7 +152,7 @@ def rotation_slot(world: World) -> ValueSlot | None:
         own_groups(journal, first().inside)
         vector = first().node.inputs["Vector"]
         tree = vector.id_data
-        mapping = journal.node(tree, "ShaderNodeMapping", _ROTATION)
+        mapping = journal.node(tree, "ShaderNodeMapping", "Vibe Rotation")
         owned.dress(journal, tree, mapping, vector.node)
         if links := active_links(vector):
             source = links[0].from_socket
@@ -195,15 +169,12 @@ def rotation_slot(world: World) -> ValueSlot | None:
 
 
 def horizon_height(scene: Scene, world: World | None) -> float:
-    """Height of a world's horizon in the image: 0 at the bottom, 1 at the top, less than 0 below it.
-
-    A backdrop with a Vibe Horizon keeps its height. Otherwise the scene's camera gives it, but for a camera that looks
-    down or has no perspective, it is 0: the backdrop fades from the bottom.
-    """
-    seen = single_background(world, BACKDROP) if world else None
+    """Height of a world's horizon in the image: 0 at the bottom, 1 at the top, less than 0 below it."""
+    seen = single_background(world, BACKDROP)
     color = seen.entry("Color") if seen else None
     if made := HORIZON.of(resolve(color).source) if color else None:
         return made.inputs["Height"].default_value
+    # For a camera that looks down or has no perspective, the backdrop fades from the bottom.
     camera = scene.camera
     if camera is None or camera.type != "CAMERA" or camera.data.type != "PERSP":
         return 0.0
@@ -213,16 +184,14 @@ def horizon_height(scene: Scene, world: World | None) -> float:
         return 0.0
     far = camera.matrix_world.translation + 1e4 * level.normalized()
     height = world_to_camera_view(scene, camera, far).y
-    return max(height, -1.0) if height < _HIGHEST else 0.0
+    return max(height, -1.0) if height < 0.6 else 0.0  # a higher one: the camera looks down
 
 
 def _add_backdrop(journal: Journal, world: World) -> None:
     """Adds a Background for camera rays alone, which equals the one that lights, without the insets in front of it."""
-    single = single_background(world)
-    tree = compat.node_tree(world)
+    single, tree, output = single_background(world), compat.node_tree(world), compat.output_node(world)
     assert single
     assert tree
-    output = compat.output_node(world)
     assert output
     surface = output.inputs["Surface"]
     lighting = active_links(surface)[0].from_socket
@@ -251,12 +220,9 @@ def _add_backdrop(journal: Journal, world: World) -> None:
 
 def offered_backdrop(world: World | None, instances: Mapping[str, schema.Instance]) -> dict[str, schema.Instance]:
     """The parameters that a backdrop would have; none where the world cannot have one, or is partly locked."""
-    output = compat.output_node(world)
-    single = single_background(world) if world else None
+    output, single = compat.output_node(world), single_background(world)
     # The world has to have one plain Background, not in a group, that both lights and is seen.
-    if output is None or single is None or has_backdrop(world):
-        return {}
-    if single.inside or not active_links(output.inputs["Surface"]):
+    if not (output and single) or has_backdrop(world) or single.inside or not active_links(output.inputs["Surface"]):
         return {}
     own = {key: instances[its] for key, its in WORLD_OF_BACKDROP.items() if its in instances}
     if any(instance.locked for instance in own.values()):
@@ -273,10 +239,7 @@ def with_backdrop(
     instances: Mapping[str, schema.Instance],
     values: Mapping[str, Sequence[float]],
 ) -> dict[str, Sequence[float]]:
-    """Adds a backdrop if values (by key) make it differ from the world; returns the values to write.
-
-    The result has no values of a backdrop that would equal the world, and all values of an added one.
-    """
+    """Adds a backdrop if values (by key) make it differ from the world; returns the values to write."""
     offer = offered_backdrop(world, instances)
     named = [key for key in values if key in offer]
     if world is None or not named:
@@ -284,6 +247,6 @@ def with_backdrop(
     future = {key: tuple(values.get(key, instance.value)) for key, instance in {**instances, **offer}.items()}
     future[""] = NO_HORIZON
     if all(labels.same(key, future[WORLD_OF_BACKDROP[key]], future[key]) for key in named):
-        return {key: value for key, value in values.items() if key not in offer}
+        return {key: value for key, value in values.items() if key not in offer}  # without a backdrop
     _add_backdrop(journal, world)
     return {**{key: instance.value for key, instance in offer.items()}, **values}

@@ -9,8 +9,9 @@ has the same formulas in torch (proxy_renderer/render/film.py).
 from __future__ import annotations
 
 import math
+from typing import Any
 
-from bpy.types import Node, NodeSocket, NodeTree, Scene
+from bpy.types import NodeSocket, NodeTree, Scene
 
 from ...core import compat
 from ...core.color import LUMA
@@ -38,8 +39,8 @@ BLOOM = {"Highlights Threshold": 1.0, "Highlights Smoothness": 0.1, "Saturation"
 """The Glare node's settings, by socket identifier."""
 
 
-def grade_slot(scene: Scene, name: str) -> LazySlot:
-    """An input of the scene's grade."""
+def graded(name: str, context: Any, scene: Scene) -> LazySlot:
+    """Locator (see `bindings`) of an input of the scene's grade."""
     tree = compat.compositor(scene)
 
     def find() -> ValueSlot | None:
@@ -47,7 +48,14 @@ def grade_slot(scene: Scene, name: str) -> LazySlot:
         return socket_slot(nodes[0].inputs[name]) if nodes else None
 
     def make(journal: Journal) -> ValueSlot:
-        return socket_slot(insert_grade(journal, scene).inputs[name])
+        """Adds the grade in front of the output; a scene without compositing gets a compositor tree first."""
+        tree = compat.editable_compositor(journal, scene)
+        target = compat.compositor_output(tree)
+        assert target
+        node = owned.group_node(journal, tree, NAME, _fill, target.node)
+        journal.link(active_links(target)[0].from_socket, node.inputs["Image"])
+        journal.link(node.outputs["Image"], target)
+        return socket_slot(node.inputs[name])
 
     locked = ""
     if tree is not None and tree.library:
@@ -65,18 +73,6 @@ def cut_off(tree: NodeTree | None) -> bool:
     return target is None or not active_links(target)
 
 
-def insert_grade(journal: Journal, scene: Scene) -> Node:
-    """Adds the grade in front of the output; a scene without compositing gets a compositor tree first."""
-    tree = compat.compositor(scene) or compat.start_compositor(journal, scene)
-    tree = compat.own_compositor(journal, scene, tree)
-    target = compat.compositor_output(tree)
-    assert target
-    node = owned.group_node(journal, tree, NAME, _fill, target.node)
-    journal.link(active_links(target)[0].from_socket, node.inputs["Image"])
-    journal.link(node.outputs["Image"], target)
-    return node
-
-
 def _fill(tree: NodeTree) -> None:
     owned.declare(tree, _INPUTS, "Image")
     build = owned.Builder(tree)
@@ -87,10 +83,7 @@ def _fill(tree: NodeTree) -> None:
         return build.node("CompositorNodeExposure", Image=color, Exposure=stops).outputs[0]
 
     def to_power(color: NodeSocket, power: NodeSocket) -> NodeSocket:
-        node = build.node(compat.GAMMA_NODE)
-        build.put(node.inputs[0], color)
-        build.put(node.inputs["Gamma"], power)
-        return node.outputs[0]
+        return build.node(compat.GAMMA_NODE, color, Gamma=power).outputs[0]
 
     # bloom
     glare = build.node("CompositorNodeGlare", Image=image, Strength=strength)
@@ -110,7 +103,7 @@ def _fill(tree: NodeTree) -> None:
     color = exposed(to_power(exposed(color, stops), contrast), -stops)
     # saturation, hue and gamma
     luma = build.vector("DOT_PRODUCT", color, LUMA)
-    spread = build.vector("SCALE", build.vector("SUBTRACT", color, luma), scale=saturation)
+    spread = build.vector("SCALE", build.vector("SUBTRACT", color, luma), Scale=saturation)
     color = build.vector("MAXIMUM", build.vector("ADD", luma, spread), black)
     turn = build.math("MULTIPLY_ADD", hue, 0.5 / math.pi, 0.5)
     color = to_power(build.node("CompositorNodeHueSat", Image=color, Hue=turn).outputs[0], gamma)
@@ -121,9 +114,5 @@ def _fill(tree: NodeTree) -> None:
     t = build.math("MULTIPLY_ADD", radius, 1.0 / 0.7, -0.3 / 0.7, clamp=True)
     smooth = build.math("MULTIPLY", build.math("MULTIPLY", t, t), build.math("MULTIPLY_ADD", t, -2.0, 3.0))
     factor = build.math("SUBTRACT", 1.0, build.math("MULTIPLY", smooth, vignette))
-    color = build.vector("SCALE", color, scale=factor)
-    # the image's own alpha
-    alpha = build.node("CompositorNodeSeparateColor", Image=image).outputs["Alpha"]
-    node = build.node("CompositorNodeSetAlpha", Image=color, Alpha=alpha)
-    compat.set_option(node, "mode", "Type", "REPLACE_ALPHA", "Replace Alpha")
-    build.output(node.outputs[0])
+    color = build.vector("SCALE", color, Scale=factor)
+    build.output_with_alpha(color, image)

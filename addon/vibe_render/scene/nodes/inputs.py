@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -20,7 +20,6 @@ from .trails import NodeEntry, ValueOrigin, active_links, resolve
 FindEntry = Callable[[], NodeEntry | None]
 """Finds an input anew each time: once a group is copied, the input is on a node of the copy."""
 
-_VALUE = "Vibe Value"
 _WHITE = (1.0, 1.0, 1.0)
 
 
@@ -31,30 +30,25 @@ class _InputSlot:
     find: FindEntry
     locked: str
 
-    def _origin(self) -> ValueOrigin:
-        entry = self.find()
-        assert entry
-        return resolve(entry)
-
     def get(self) -> Any:
-        return socket_slot(self._origin().socket).get()
+        return socket_slot(_origin(self.find).socket).get()
 
     def set(self, journal: Journal, raw: Any) -> None:
         old = self.get()
         if same(raw, old[: len(raw)] if isinstance(raw, tuple) else old):
             return
-        own_groups(journal, self._origin().inside)
-        origin = self._origin()
+        own_groups(journal, _origin(self.find).inside)
+        origin = _origin(self.find)
         # A Value or RGB node may feed inputs of other meanings: the roughness of one shader, the bump of another. So the
         # inputs with the same meaning get a Vibe Value node instead, which starts with the same value.
         if origin.feeds_others:
             tree, node = origin.socket.id_data, origin.socket.node
-            twin = journal.node(tree, node.bl_idname, _VALUE)
+            twin = journal.node(tree, node.bl_idname, "Vibe Value")
             owned.dress(journal, tree, twin, origin.targets[0].node)
             twin.outputs[0].default_value = origin.socket.default_value
             for target in origin.targets:
                 journal.link(twin.outputs[0], target)
-            origin = self._origin()
+            origin = _origin(self.find)
         socket_slot(origin.socket).set(journal, raw)
 
 
@@ -70,6 +64,12 @@ def input_slot(find: FindEntry, tinted: bool = False) -> ValueSlot | None:
     if locked or not (origin.feeds_others or any(map(_is_shared, origin.inside))):
         return socket_slot(origin.socket, locked)
     return _InputSlot(find, locked)
+
+
+def _origin(find: FindEntry) -> ValueOrigin:
+    entry = find()
+    assert entry
+    return resolve(entry)
 
 
 def _is_shared(group: Node) -> bool:
@@ -110,18 +110,15 @@ class Inset:
         if first.source is None and not plain:
             return None
 
-        def origin() -> ValueOrigin:
-            entry = find()
-            assert entry
-            return resolve(entry)
-
         def own() -> NodeEntry | None:
-            node = self.of(origin().source)
-            return NodeEntry(node.inputs[name], origin().inside) if node else None
+            origin = _origin(find)
+            node = self.of(origin.source)
+            return NodeEntry(node.inputs[name], origin.inside) if node else None
 
         def make(journal: Journal) -> ValueSlot:
             own_groups(journal, first.inside)
-            node = self.of(origin().source) or self._insert(journal, origin(), settings or {})
+            origin = _origin(find)
+            node = self.of(origin.source) or self._insert(journal, origin, settings or {})
             return socket_slot(node.inputs[name])
 
         locked = locks.of_socket(first.socket, None, first.inside)
@@ -159,10 +156,10 @@ def _inset_name(node: Node) -> str:
     return node.node_tree.get(owned.MARK, "") if node.type == "GROUP" and node.node_tree else ""
 
 
-def neutralize(tree: NodeTree, kinds: Sequence[Inset]) -> None:
-    """Sets the insets of a tree to the values that change nothing."""
+def neutralize(tree: NodeTree) -> None:
+    """Sets the Vibe Tints and Vibe Factors of a tree to the values that change nothing."""
     for node in tree.nodes:
-        for kind in (kind for kind in kinds if _inset_name(node) == kind.name):
+        for kind in (kind for kind in (TINT, FACTOR) if _inset_name(node) == kind.name):
             for name, (identity, *_) in [*kind.inputs.items()][1:]:
                 color = isinstance(identity, tuple)
                 node.inputs[name].default_value = (*identity, 1.0) if color else identity
@@ -181,7 +178,7 @@ def artists_origin(entry: NodeEntry) -> ValueOrigin:
 def _tinted(build: owned.Builder, color: NodeSocket, tint: NodeSocket, recolor: NodeSocket) -> NodeSocket:
     """(color + Recolor · (luma − color)) · Tint."""
     luma = build.vector("DOT_PRODUCT", color, LUMA)
-    gray = build.vector("SCALE", build.vector("SUBTRACT", luma, color), scale=recolor)
+    gray = build.vector("SCALE", build.vector("SUBTRACT", luma, color), Scale=recolor)
     return build.vector("MULTIPLY", build.vector("ADD", color, gray), tint)
 
 
@@ -193,16 +190,16 @@ def _faded(build: owned.Builder, color: NodeSocket, horizon: NodeSocket, height:
     share = build.math("DIVIDE", *rise, clamp=True)
     # smoothstep: s² (3 - 2 s)
     smooth = build.math("MULTIPLY", build.math("MULTIPLY", share, share), build.math("MULTIPLY_ADD", share, -2.0, 3.0))
-    left = build.vector("SCALE", build.vector("SUBTRACT", _WHITE, horizon), scale=smooth)
+    left = build.vector("SCALE", build.vector("SUBTRACT", _WHITE, horizon), Scale=smooth)
     return build.vector("MULTIPLY", color, build.vector("ADD", horizon, left))
-
-
-def _multiplied(build: owned.Builder, strength: NodeSocket, factor: NodeSocket) -> NodeSocket:
-    return build.math("MULTIPLY", strength, factor)
 
 
 TINT = Inset("Vibe Tint", {"Color": ((0.8, 0.8, 0.8),), "Tint": (_WHITE,), "Recolor": (0.0, 0.0, 1.0)}, _tinted)
 HORIZON = Inset(
     "Vibe Horizon", {"Color": ((0.05, 0.05, 0.05),), "Horizon": (_WHITE,), "Height": (0.0, -1.0, 1.0)}, _faded
 )
-FACTOR = Inset("Vibe Factor", {"Strength": (1.0,), "Factor": (1.0, 0.0, 1000.0)}, _multiplied)
+FACTOR = Inset(
+    "Vibe Factor",
+    {"Strength": (1.0,), "Factor": (1.0, 0.0, 1000.0)},
+    lambda build, strength, factor: build.math("MULTIPLY", strength, factor),
+)

@@ -10,26 +10,13 @@ from math import prod
 from bpy.types import Material, Node, NodeSocket
 
 from ...core import compat
-from .trails import ALIASES, NodeEntry, NodeInGroups, distinct, resolve, source_output
+from .trails import SHADERS, NodeEntry, NodeInGroups, distinct, resolve, source_output
 
 TRANSPARENT = "ShaderNodeBsdfTransparent"
 BACKGROUND = "ShaderNodeBackground"
 _MIX, _ADD, EMISSION = "ShaderNodeMixShader", "ShaderNodeAddShader", "ShaderNodeEmission"
-_REFLECTIVE = {"ShaderNodeBsdfGlossy", "ShaderNodeBsdfAnisotropic", "ShaderNodeBsdfMetallic"}
-_CLEAR = {"ShaderNodeBsdfGlass", "ShaderNodeBsdfRefraction"}
-_SHOWS = {
-    **dict.fromkeys(_REFLECTIVE, 0.5),
-    **dict.fromkeys(_CLEAR, 0.6),
-    "ShaderNodeBsdfTranslucent": 0.9,
-    "ShaderNodeBsdfSheen": 0.3,
-    EMISSION: 0.5,
-}
-"""How visible a shader's own color is, relative to a matte shader: coats and glass show what is around them."""
 _GRAZING = {"Fresnel": 0.1, "Facing": 0.3}
 """The mean share of a mix's second shader where the factor is a Fresnel or Layer Weight output, high only at edges."""
-_PART = (
-    0.3  # relative to the most prominent shader's share: a shader below it is an accent, no part of the body's color
-)
 _COMPUTED_COLOR, _COMPUTED_STRENGTH = 0.5, 1.0  # assumed for emission that nodes compute
 
 
@@ -80,16 +67,9 @@ class Layer:
         return prod(side.share for side in self.sides)
 
     @property
-    def prominence(self) -> float:
-        """The approximate weight of the shader's own color in the visible color; no value that a vibe changes affects it."""
-        return self.share * _SHOWS.get(self.kind, 1.0)
-
-    @property
     def matter(self) -> str:
-        """The kind of matter. Layers of the same kind can together make the color of a body."""
-        if self.kind in _REFLECTIVE:
-            return "metal"
-        return "glass" if self.kind in _CLEAR else "light" if self.kind == EMISSION else "matte"
+        """The kind of matter: "matte", "metal", "glass" or "light"."""
+        return self.shader.shader.matter
 
 
 def layers(material: Material) -> list[Layer]:
@@ -111,25 +91,22 @@ def behind(socket: NodeSocket, inside: tuple[Node, ...] = (), sides: tuple[MixSi
     elif node.bl_idname == _ADD:
         for entry in node.inputs:
             yield from behind(entry, inside, sides)
-    elif node.bl_idname in ALIASES or node.bl_idname in (TRANSPARENT, BACKGROUND):
+    elif node.bl_idname in SHADERS or node.bl_idname in (TRANSPARENT, BACKGROUND):
         yield Layer(NodeInGroups(node, inside), sides)
 
 
 def by_prominence(material: Material) -> list[Layer]:
-    """The visible shaders, the most prominent first; equal ones in the order from the output."""
+    """The visible shaders, those with most weight in the visible color first, whatever the values that a vibe changes."""
     shown = [layer for layer in layers(material) if layer.kind != TRANSPARENT]
     visible = [layer for layer in shown if layer.share > 0.0]
-    return sorted(visible or shown, key=lambda layer: -layer.prominence)
+    return sorted(visible or shown, key=lambda layer: -layer.share * layer.shader.shader.shows)
 
 
 def entry(material: Material, name: str) -> NodeEntry | None:
-    """The input that holds a value of a surface, by its name on the Principled BSDF; None without one.
-
-    It is the input of the most prominent shader that has it. So the roughness of a Diffuse BSDF with a glossy coat is the
-    coat's. Emission is that of an Emission node, if there is one.
-    """
+    """The input that holds a value of a surface, by its name on the Principled BSDF; None without one."""
+    # That of the most prominent shader that has it: the roughness of a Diffuse BSDF with a glossy coat is the coat's.
     shown = by_prominence(material)
-    if name.startswith("Emission"):
+    if name.startswith("Emission"):  # an Emission node comes first
         shown.sort(key=lambda layer: layer.kind != EMISSION)
     owners = [layer for layer in shown if layer.shader.input(name)]
     if not owners:
@@ -139,11 +116,11 @@ def entry(material: Material, name: str) -> NodeEntry | None:
 
 
 def body(material: Material) -> list[Layer]:
-    """The shaders that make the color of the material: the most prominent one, and others of its matter (`_PART`)."""
+    """The shaders that make the color of the material: the most prominent one, and others of its matter."""
     shown = [layer for layer in by_prominence(material) if layer.shader.input("Base Color")]
     if not shown:
         return []
-    least, matter = _PART * shown[0].share, shown[0].matter
+    least, matter = 0.3 * shown[0].share, shown[0].matter  # a shader with a smaller share is an accent
     return [layer for layer in shown if layer.matter == matter and layer.share >= least]
 
 

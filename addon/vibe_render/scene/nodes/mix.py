@@ -18,25 +18,18 @@ from . import owned
 
 NAME = "Vibe Light Mix"
 GUIDES = ("Denoising Albedo", "Denoising Normal")
-PASS = "Combined_"
-"""In front of a light group's name, the name of its pass."""
+PASS = "Combined_"  # in front of a light group's name, the name of its pass
 _WHITE, _BLACK = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
 
 
 def insert_mix(journal: Journal, scene: Scene, colors: Mapping[str, Color]) -> None:
-    """Adds the mix after the Render Layers node, or gives an existing mix new colors; `colors` are by light group.
-
-    Raises:
-        VibeError: The compositor does not use the image of the first rendered view layer.
-    """
-    tree = compat.compositor(scene) or compat.start_compositor(journal, scene)
-    tree = compat.own_compositor(journal, scene, tree)
+    """Adds the mix after the Render Layers node, or gives an existing mix new colors, by light group."""
+    tree = compat.editable_compositor(journal, scene)
     layer = rendered.layer(scene)
     if scene.cycles.use_denoising and not layer.cycles.denoising_store_passes:
         journal.set(layer.cycles, "denoising_store_passes", True)
     layer.update_render_passes()
-    nodes = owned.group_nodes(tree, NAME)
-    source, node = _render_layers(tree, scene), nodes[0] if nodes else None
+    source, node = _render_layers(tree, scene), next(iter(owned.group_nodes(tree, NAME)), None)
     if node is None:
         targets = [link.to_socket for link in source.outputs["Image"].links]
         node = owned.group_node(journal, tree, NAME, _declare, targets[0].node)
@@ -69,13 +62,6 @@ def read_mix(scene: Scene) -> dict[str, Color]:
     return found
 
 
-def mix_notes(scene: Scene) -> list[str]:
-    """A note on a mix, which the prediction leaves out, in words for the artist."""
-    if all(color == _WHITE for color in read_mix(scene).values()):
-        return []
-    return ["The compositor's light mix is left out of the prediction. Apply it in Light Mix instead."]
-
-
 def mute_mix(journal: Journal, scene: Scene) -> None:
     """Switches the mix off, if the scene has one."""
     for node in owned.group_nodes(compat.compositor(scene), NAME):
@@ -96,14 +82,14 @@ def _color_of(name: str) -> str:
 
 
 def _render_layers(tree: NodeTree, scene: Scene) -> Node:
+    """The node with the first rendered view layer; raises VibeError if the compositor does not use its image."""
     first = rendered.layer(scene).name
     for node in tree.nodes:
         here = node.bl_idname == "CompositorNodeRLayers" and node.scene in (None, scene)
         if here and node.layer == first and node.outputs["Image"].is_linked:
             return node
-    raise schema.VibeError(
-        f'The compositor does not use the image of the view layer "{first}".', "Link it to the output, or use Apply."
-    )
+    message = f'The compositor does not use the image of the view layer "{first}".'
+    raise schema.VibeError(message, "Link it to the output, or use Apply.")
 
 
 def _declare(tree: NodeTree) -> None:
@@ -128,8 +114,4 @@ def _fill(tree: NodeTree, denoised: bool) -> None:
                 build.put(node.inputs[target], given)
             light = node.outputs[0]
         mixed = build.vector("MULTIPLY_ADD", light, build.vector("SUBTRACT", color, _WHITE), mixed)
-    mixed = build.vector("MAXIMUM", mixed, _BLACK)
-    alpha = build.node("CompositorNodeSeparateColor", Image=image).outputs["Alpha"]
-    node = build.node("CompositorNodeSetAlpha", Image=mixed, Alpha=alpha)
-    compat.set_option(node, "mode", "Type", "REPLACE_ALPHA", "Replace Alpha")
-    build.output(node.outputs[0])
+    build.output_with_alpha(build.vector("MAXIMUM", mixed, _BLACK), image)

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 from bpy.types import ID, Node, NodeSocket, NodeTree, Object
 
+from ...core import compat
 from ...core.journal import Journal
 from ...core.rendered import MARK
 from ...core.schema_import import schema
@@ -106,11 +107,14 @@ class Builder:
         node.location = (200.0 * self._column, 0.0)
         return node
 
-    def node(self, kind: str, **inputs: Any) -> Node:
-        """Adds a node with its inputs linked (sockets) or set (values)."""
+    def node(self, kind: str, *operands: Any, operation: str = "", **inputs: Any) -> Node:
+        """Adds a node with its first inputs (`operands`) and others by name linked (sockets) or set (values)."""
         node = self.add(self.tree.nodes.new(kind))
-        for name, given in inputs.items():
-            self.put(node.inputs[name], given)
+        if operation:
+            node.operation = operation
+        named = [(node.inputs[name], given) for name, given in inputs.items()]
+        for target, given in [*zip(node.inputs, operands, strict=False), *named]:
+            self.put(target, given)
         return node
 
     def put(self, target: NodeSocket, given: Any) -> None:
@@ -122,23 +126,23 @@ class Builder:
 
     def math(self, operation: str, *operands: Any, clamp: bool = False) -> NodeSocket:
         """The result of a Math node."""
-        node = self.node("ShaderNodeMath")
-        node.operation, node.use_clamp = operation, clamp
-        for target, given in zip(node.inputs, operands, strict=False):
-            self.put(target, given)
+        node = self.node("ShaderNodeMath", *operands, operation=operation)
+        node.use_clamp = clamp
         return node.outputs[0]
 
-    def vector(self, operation: str, *operands: Any, scale: Any = None) -> NodeSocket:
+    def vector(self, operation: str, *operands: Any, **inputs: Any) -> NodeSocket:
         """The result of a Vector Math node; colors pass through it as vectors."""
-        node = self.node("ShaderNodeVectorMath")
-        node.operation = operation
-        for target, given in zip(node.inputs, operands, strict=False):
-            self.put(target, given)
-        if scale is not None:
-            self.put(node.inputs["Scale"], scale)
+        node = self.node("ShaderNodeVectorMath", *operands, operation=operation, **inputs)
         return node.outputs["Value" if operation in {"DOT_PRODUCT", "LENGTH"} else "Vector"]
 
     def output(self, source: NodeSocket) -> None:
         """The group's only output."""
         node = self.add(self.tree.nodes.new("NodeGroupOutput"))
         self.tree.links.new(source, node.inputs[0])
+
+    def output_with_alpha(self, color: NodeSocket, image: NodeSocket) -> None:
+        """The group's only output: a color with the alpha of an image."""
+        alpha = self.node("CompositorNodeSeparateColor", Image=image).outputs["Alpha"]
+        node = self.node("CompositorNodeSetAlpha", Image=color, Alpha=alpha)
+        compat.set_option(node, "mode", "Type", "REPLACE_ALPHA", "Replace Alpha")
+        self.output(node.outputs[0])

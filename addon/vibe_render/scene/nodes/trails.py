@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import bpy
 from bpy.types import Material, Node, NodeLink, NodeSocket, World
@@ -18,29 +18,43 @@ FOREIGN = {
 }
 """Type of a node that a Cycles render on the CPU ignores -> the reason, for messages."""
 
-ALIASES: dict[str, dict[str, str]] = {
-    "ShaderNodeBsdfPrincipled": {},
-    "ShaderNodeBsdfDiffuse": {"Base Color": "Color"},
-    "ShaderNodeBsdfGlossy": {"Base Color": "Color"},
-    "ShaderNodeBsdfAnisotropic": {"Base Color": "Color"},
-    "ShaderNodeBsdfMetallic": {"Base Color": "Base Color"},
-    "ShaderNodeBsdfGlass": {"Base Color": "Color"},
-    "ShaderNodeBsdfTranslucent": {"Base Color": "Color"},
-    "ShaderNodeSubsurfaceScattering": {"Base Color": "Color"},
-    "ShaderNodeBsdfToon": {"Base Color": "Color"},
-    "ShaderNodeBsdfSheen": {"Sheen Tint": "Color", "Sheen Roughness": "Roughness"},
-    "ShaderNodeBsdfHair": {"Base Color": "Color"},
-    "ShaderNodeBsdfHairPrincipled": {"Base Color": "Color"},
-    "ShaderNodeBsdfRefraction": {"Base Color": "Color"},
-    "ShaderNodeEmission": {"Emission Color": "Color", "Emission Strength": "Strength"},
+
+@dataclass(frozen=True)
+class SurfaceShader:
+    """How a surface shader compares with the Principled BSDF; the defaults are those of the Principled BSDF."""
+
+    names: Mapping[str, str] = field(default_factory=dict)  # input of the Principled BSDF -> its own name for it
+    stand_in: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # parameters that stand for the rest
+    matter: str = "matte"  # layers of the same matter can together make the color of a body
+    shows: float = 1.0  # how visible its own color is: coats and glass show what is around them
+    unlike: Collection[str] = ()  # its inputs with a Principled name and another meaning
+
+
+_COLOR = {"Base Color": "Color"}
+_EMISSION = {"Emission Color": "Color", "Emission Strength": "Strength"}
+_SHEEN = {"Sheen Tint": "Color", "Sheen Roughness": "Roughness"}
+_MATTE = {"roughness": (1.0,), "specular": (0.0,)}
+_BLACK = {"base_color": (0.0, 0.0, 0.0), "specular": (0.0,)}
+_MIRROR = {"metallic": (1.0,), "specular_tint": (1.0, 1.0, 1.0)}
+_GLASS, _HAIR = {"transmission": (1.0,)}, {"roughness": (0.6,)}
+_OF_HAIR = ("Roughness", "IOR", "Coat Weight", "Coat Roughness")
+SHADERS = {
+    "ShaderNodeBsdfPrincipled": SurfaceShader(),
+    "ShaderNodeBsdfDiffuse": SurfaceShader(_COLOR, _MATTE, unlike=("Roughness",)),  # that of Oren-Nayar
+    "ShaderNodeBsdfGlossy": SurfaceShader(_COLOR, _MIRROR, "metal", 0.5),
+    "ShaderNodeBsdfAnisotropic": SurfaceShader(_COLOR, _MIRROR, "metal", 0.5),
+    "ShaderNodeBsdfMetallic": SurfaceShader({}, {"metallic": (1.0,)}, "metal", 0.5),
+    "ShaderNodeBsdfGlass": SurfaceShader(_COLOR, _GLASS, "glass", 0.6),
+    "ShaderNodeBsdfTranslucent": SurfaceShader(_COLOR, _MATTE, shows=0.9),
+    "ShaderNodeSubsurfaceScattering": SurfaceShader(_COLOR, _MATTE),
+    "ShaderNodeBsdfToon": SurfaceShader(_COLOR, _MATTE),
+    "ShaderNodeBsdfSheen": SurfaceShader(_SHEEN, _BLACK | {"sheen": (1.0,)}, shows=0.3, unlike=("Roughness",)),
+    "ShaderNodeBsdfHair": SurfaceShader(_COLOR, _HAIR),
+    "ShaderNodeBsdfHairPrincipled": SurfaceShader(_COLOR, _HAIR, unlike=_OF_HAIR),
+    "ShaderNodeBsdfRefraction": SurfaceShader(_COLOR, _GLASS, "glass", 0.6),
+    "ShaderNodeEmission": SurfaceShader(_EMISSION, _BLACK, "light", 0.5),
 }
-"""Supported surface shader -> input of the Principled BSDF -> the shader's own name for it, where that differs."""
-# Inputs with a Principled name and another meaning: the roughness of Oren-Nayar and sheen, several of hair.
-_UNLIKE = {
-    "ShaderNodeBsdfDiffuse": {"Roughness"},
-    "ShaderNodeBsdfSheen": {"Roughness"},
-    "ShaderNodeBsdfHairPrincipled": {"Roughness", "IOR", "Coat Weight", "Coat Roughness"},
-}
+"""The supported surface shaders."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +63,7 @@ class NodeEntry:
 
     socket: NodeSocket
     inside: tuple[Node, ...] = ()  # the group nodes that lead to its node, from the outermost tree inwards
-    # inputs that have the same meaning, such as the colors of shaders that are mixed
-    alike: tuple[NodeSocket, ...] = ()
+    alike: tuple[NodeSocket, ...] = ()  # inputs that have the same meaning, such as the colors of mixed shaders
 
 
 @dataclass(frozen=True)
@@ -60,8 +73,7 @@ class ValueOrigin:
     socket: NodeSocket  # the socket that holds the value; of a computed one, the input where the trail ends
     source: NodeSocket | None  # the output that computes the value; None where none does
     inside: tuple[Node, ...]  # the group nodes that lead to `socket` and `source`
-    # of a linked value: the inputs with the same meaning that get it, in the tree of its source
-    targets: tuple[NodeSocket, ...] = ()
+    targets: tuple[NodeSocket, ...] = ()  # of a linked value: the inputs with the same meaning that get it
     feeds_others: bool = False  # whether inputs of another meaning get the value too
 
 
@@ -165,12 +177,14 @@ class NodeInGroups:
     node: Node
     inside: tuple[Node, ...] = ()
 
+    @property
+    def shader(self) -> SurfaceShader:
+        """How it compares with the Principled BSDF, if it is a shader."""
+        return SHADERS.get(self.node.bl_idname, SurfaceShader())
+
     def input(self, name: str) -> NodeSocket | None:
         """The input with the meaning of the Principled BSDF's input `name`; None without one."""
-        kind = self.node.bl_idname
-        if name in _UNLIKE.get(kind, ()):
-            return None
-        return self.node.inputs.get(ALIASES.get(kind, {}).get(name, name))
+        return None if name in self.shader.unlike else self.node.inputs.get(self.shader.names.get(name, name))
 
     def entry(self, name: str, alike: tuple[NodeSocket, ...] = ()) -> NodeEntry | None:
         """The same as an entry: with the groups around it, and inputs `alike` that have the same meaning."""
@@ -178,15 +192,8 @@ class NodeInGroups:
         return NodeEntry(socket, self.inside, alike) if socket else None
 
 
-def bumps_normals(material: Material) -> bool:
-    """True if a material's Displacement is rendered, at least partly, as a change of its normals."""
-    output = compat.output_node(material)
-    as_bump = material.displacement_method != "DISPLACEMENT"
-    return bool(output and active_links(output.inputs["Displacement"]) and as_bump)
-
-
-def world_volume(world: World) -> NodeInGroups | None:
-    """The volume node of the artist's own fog, behind the World Output's Volume; None without one."""
+def world_volume(world: World | None) -> NodeInGroups | None:
+    """The volume node of the artist's own fog, behind the World Output's Volume; None without one, or without a world."""
     output = compat.output_node(world)
     if output is None:
         return None
