@@ -9,11 +9,11 @@ from dataclasses import replace
 from ..color.floats import hex_from_srgb, oklab_from_srgb, srgb_from_oklab
 from ..schema import FAMILIES, Values
 from ..words.lexicon.entries import Effect
-from ..words.lexicon.languages import thing_words
+from ..words.lexicon.languages import singular, thing_words
 from ..words.lexicon.quantities import ClaimText
 from ..words.lexicon.rigs import rig_table
 from ..words.lexicon.vocabulary import Vocabulary
-from ..words.types import Attribute, SceneDescription
+from ..words.types import GLOW, Attribute, SceneDescription
 from .relative import compares
 from .resolve import Goals, resolved
 from .wish import Wish, wishes_of
@@ -54,6 +54,11 @@ def further(
         if why := _why_not(attribute, goals):
             notes.append(f"'{attribute.word}' is not used: {why}.")
             continue
+        if attribute.lights:
+            fixture = replace(attribute, lights=_fixture(attribute, scene))
+            mine = [replace(wish, attribute=fixture) for wish in mine]
+            compared = [fixture if each is attribute else each for each in compared]
+            attribute = fixture
         if attribute in compared:
             own_factor = factor if first in (None, attribute) else 0.0
             noun = next((a for a in goals.parsed.attributes if _is_noun_of(a, attribute)), None)
@@ -90,6 +95,18 @@ def _why_not(attribute: Attribute, goals: Goals) -> str:
     absent += [noun for noun in goals.parsed.ignored if thing_words().get(noun)]
     absent += [noun for note in goals.parsed.notes for noun in _ABSENT.findall(note)]
     return f"there is no '{absent[0]}' in the scene" if needs_noun and absent else ""
+
+
+def _fixture(attribute: Attribute, scene: SceneDescription) -> tuple[str, ...]:
+    """The lights that a word singles out, with lights and glows of the same name: a lamp is often a light in a bulb that glows."""
+    noun = {*attribute.thing.lower().split()}
+
+    def is_called_so(name: str) -> bool:
+        return bool(noun) and noun <= {singular(word) for word in re.split(r"[\W_\d]+", name.lower())}
+
+    glows = (name for name in scene.glows if any(map(is_called_so, scene.looks[name].worn)))
+    every = (*filter(is_called_so, scene.lights), *(GLOW + name for name in glows))
+    return tuple(dict.fromkeys((*attribute.lights, *every)))
 
 
 def _is_noun_of(attribute: Attribute, compared: Attribute) -> bool:

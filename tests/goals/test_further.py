@@ -152,6 +152,19 @@ def test_a_color_of_nothing_is_a_cast_of_the_image():
     assert not any(effect.owner == "material" for effect in wish.effects)
 
 
+def test_a_lamp_is_its_light_and_its_glowing_bulb():
+    scene = SceneDescription(
+        objects={"Lamp Bulb": "surroundings"},
+        materials={"Glass": "surroundings"},
+        object_materials={"Lamp Bulb": ("Glass",)},
+        lights={"Floor Lamp": LightDescription("POINT"), "Sun": LightDescription("SUN")},
+        glows=("Glass",),
+        looks={"Glass": MaterialLook(glows=True, worn={"Lamp Bulb": 0.01})},
+    )
+    (wish,) = further(goals_of(parse("lamp dimmer", scene)), VOCABULARY, scene).wishes
+    assert {*wish.attribute.lights} == {"Floor Lamp", "material/Glass"}
+
+
 def test_a_lower_light_stays_on_its_side():
     (wish,) = step("key lower").wishes
     assert [effect.name for effect in wish.effects] == ["elevation"]
