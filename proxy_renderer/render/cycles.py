@@ -110,46 +110,41 @@ class Correction:
         """True if a view's pixels are those of the anchor."""
         return view.signature() == self.view.signature()
 
-    def pixels(self, linear: Tensor, colors: Mapping[str, Tensor]) -> Tensor:
-        """Corrected pixels (3, P) of a view that `fits`, at the owners' current colors (3,); differentiable."""
-        return self._apply(linear, colors, self.fields)
+    def pixels(self, linear: Tensor, colors: Mapping[str, Tensor], fields: Tensor | None = None) -> Tensor:
+        """Corrected pixels (3, P) of a view that `fits`, at the owners' current colors (3,); differentiable.
+
+        `fields` replace those of the anchor's pixels.
+        """
+        fields = self.fields if fields is None else fields
+        corrected = fields[:3] * linear
+        for residual, owner in zip(fields[6:].split(3), self.owners, strict=True):
+            before, now = self.colors.get(owner), colors.get(owner)
+            if before is None or now is None:  # `REST` has no color
+                corrected = corrected + residual
+            else:  # times s_g(θ) / s_g(θ₀), 0 for a light that was off
+                growth, off = _grown(before, now)
+                corrected = corrected + residual * torch.where(off, 0.0, growth).clamp_max(_BRIGHTER)[:, None]
+        return torch.maximum(corrected, fields[3:6] * linear)
 
     def samples(
         self, radiance: Tensor, colors: Mapping[str, Tensor], view: View, cache: ViewCache, before: Callable[[], Tensor]
     ) -> Tensor:
         """Corrected radiance (3, N) of another view's samples: not of its pixels, so that outlines stay smooth.
 
-        `before` renders the proxy's radiance (3, N) of these samples at θ₀.
+        `before` renders the proxy's radiance (3, N) of these samples at θ₀. Fields are looked up where the anchor saw the same
+        surfaces, and are neutral where it did not.
         """
         if self._kept is None or self._kept[0] is not cache:
             with torch.no_grad():
-                self._kept = cache, self._look_up(cache, view, before)
-        return self._apply(radiance, colors, self._kept[1])
-
-    def _apply(self, linear: Tensor, colors: Mapping[str, Tensor], fields: Tensor) -> Tensor:
-        ratio, least = fields[:3], fields[3:6]
-        corrected = ratio * linear
-        for i, owner in enumerate(self.owners):
-            corrected = corrected + fields[6 + 3 * i : 9 + 3 * i] * self._growth(owner, colors)
-        return torch.maximum(corrected, least * linear)
-
-    def _growth(self, owner: str, colors: Mapping[str, Tensor]) -> Tensor | float:
-        """s_g(θ) / s_g(θ₀), (3, 1), at most `_BRIGHTER`; 0 for a light that was off, 1 for `REST`, which has no color."""
-        before, now = self.colors.get(owner), colors.get(owner)
-        if before is None or now is None:
-            return 1.0
-        growth, off = _grown(before, now)
-        return torch.where(off, 0.0, growth).clamp_max(_BRIGHTER)[:, None]
-
-    def _look_up(self, cache: ViewCache, view: View, before: Callable[[], Tensor]) -> Tensor:
-        """The fields at the samples, looked up where the anchor saw the same surfaces; neutral ones where it did not."""
-        samples, geometry = cache.samples, cache.geometry
-        neutral = torch.zeros(len(self.fields), device=self.fields.device)
-        neutral[:3] = 1.0
-        reach = samples.hits.distance.clamp_max(_FAR * geometry.size)
-        place = self.view.project(samples.origin + samples.toward * reach)
-        bright = None if view.moving else (self.stops, _stops(before(), self.dark))
-        return look_up(self.fields, self.guide, place, _names(samples.hits, geometry), neutral, bright)
+                samples, geometry = cache.samples, cache.geometry
+                neutral = torch.zeros(len(self.fields), device=self.fields.device)
+                neutral[:3] = 1.0
+                reach = samples.hits.distance.clamp_max(_FAR * geometry.size)
+                place = self.view.project(samples.origin + samples.toward * reach)
+                bright = None if view.moving else (self.stops, _stops(before(), self.dark))
+                names = _names(samples.hits, geometry)
+                self._kept = cache, look_up(self.fields, self.guide, place, names, neutral, bright)
+        return self.pixels(radiance, colors, self._kept[1])
 
 
 def _grown(before: Tensor, now: Tensor) -> tuple[Tensor, Tensor]:
@@ -264,13 +259,13 @@ class AnchorLayers:
 
     def serve(self, values: Mapping[str, Tensor], scene: SceneData) -> bool:
         """True if other values differ from these only in powers and colors of lights, or in values of the film."""
-        keys = (key for key in values.keys() | self.values.keys() if not key.startswith("film/"))
-        return all(is_of_light(key, scene) or self._stays(key, values, scene) for key in keys)
-
-    def _stays(self, key: str, values: Mapping[str, Tensor], scene: SceneData) -> bool:
-        own = torch.tensor(scene.value(key), dtype=torch.float32)
-        one, other = (each.get(key, own).detach().reshape(-1).cpu().float() for each in (values, self.values))
-        return torch.equal(one, other)
+        for key in values.keys() | self.values.keys():
+            if not key.startswith("film/") and not is_of_light(key, scene):
+                own = torch.tensor(scene.value(key), dtype=torch.float32)
+                one, other = (each.get(key, own).detach().reshape(-1).cpu().float() for each in (values, self.values))
+                if not torch.equal(one, other):
+                    return False
+        return True
 
     def picture(self, colors: Mapping[str, Tensor]) -> Tensor | None:
         """The image (3, P) at other colors (3,) of the owners; None if a light was off, or has grown too much for its layer."""
@@ -310,38 +305,26 @@ class CyclesPicture:
     @staticmethod
     def load(path: Path | str, groups: Mapping[str, str]) -> CyclesPicture:
         """Reads an anchor rendered by Blender; `groups` maps its light groups to owners. Raises VibeError if a layer is missing."""
-        layers = _layers(Path(path))
-        denoised = "Noisy Image" in layers  # some builds of Blender have no denoiser
-        layers.setdefault("Noisy Image", layers.get("Combined", np.empty(0)))
-        wanted = {"Combined": "", "Noisy Image": "", **{f"Combined_{g}": o for g, o in groups.items()}}
-        if missing := sorted(set(wanted) - set(layers)):
-            raise _unreadable(f"it has no layer {missing[0]!r}")
-        pictures = {name: _finite(layers[name]) for name in wanted}
-        whole, noisy = pictures.pop("Combined"), pictures.pop("Noisy Image")
-        parts = {wanted[name]: picture for name, picture in pictures.items()}
+        import OpenEXR
+
+        owners = {f"Combined_{group}": owner for group, owner in groups.items()}
+        try:
+            # Blender 4 writes all passes into one part of the file, Blender 5 one part each.
+            with OpenEXR.File(str(path)) as file:
+                channels = [pair for part in file.parts for pair in part.channels.items()]
+                passes = {name.partition(".")[2]: np.array(c.pixels, np.float32) for name, c in channels}
+            passes = {name: p[..., :3] for name, p in passes.items() if p.ndim == 3 and p.shape[2] >= 3}
+            if missing := sorted({"Combined", *owners} - passes.keys()):
+                raise ValueError(f"it has no layer {missing[0]!r}")
+        except (OSError, RuntimeError, ValueError, TypeError) as error:
+            raise VibeError(f"Cycles' picture cannot be read: {error}.", "Try again.") from error
+        denoised = "Noisy Image" in passes  # some builds of Blender have no denoiser
+        pictures = {}
+        for name in ("Combined", "Noisy Image" if denoised else "Combined", *owners):
+            picture = np.nan_to_num(passes[name], nan=0.0, posinf=_BRIGHTEST, neginf=0.0).clip(0.0, _BRIGHTEST)
+            pictures[name] = torch.from_numpy(np.ascontiguousarray(picture))
+        noisy = pictures["Noisy Image" if denoised else "Combined"]
+        parts = {owner: pictures[name] for name, owner in owners.items()}
         rest = noisy - sum(parts.values(), torch.zeros_like(noisy))
         rest = torch.where(rest > _ROUNDING * noisy, rest, torch.zeros_like(rest))
-        return CyclesPicture(whole, parts, rest, denoised)
-
-
-def _layers(path: Path) -> dict[str, np.ndarray]:
-    """Name of a pass to its colors (H, W, 3); Blender 4 writes all passes into one part of the file, Blender 5 one part each."""
-    import OpenEXR
-
-    try:
-        with OpenEXR.File(str(path)) as file:
-            channels = [pair for part in file.parts for pair in part.channels.items()]
-            passes = {name.partition(".")[2]: np.array(c.pixels, np.float32) for name, c in channels}
-    except (OSError, RuntimeError, ValueError, TypeError) as error:
-        raise _unreadable(str(error)) from error
-    return {name: p[..., :3] for name, p in passes.items() if p.ndim == 3 and p.shape[2] >= 3}
-
-
-def _unreadable(reason: str) -> VibeError:
-    return VibeError(f"Cycles' picture cannot be read: {reason}.", "Try again.")
-
-
-def _finite(picture: np.ndarray) -> Tensor:
-    """Finite light (H, W, 3), at least 0."""
-    picture = np.nan_to_num(picture, nan=0.0, posinf=_BRIGHTEST, neginf=0.0)
-    return torch.from_numpy(np.ascontiguousarray(picture.clip(0.0, _BRIGHTEST)))
+        return CyclesPicture(pictures["Combined"], parts, rest, denoised)

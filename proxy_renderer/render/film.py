@@ -54,8 +54,8 @@ class Film:
         graded = self.grade(linear, values)
         if alpha is None:
             return self.show(graded, values)
-        # Blender divides by alpha before its view transform (imbuf, IMB_colormanagement). PNGs are left so; here the
-        # result is put on black.
+        # Blender divides by alpha before its view transform (imbuf, IMB_colormanagement). PNGs are left so; here the result
+        # is put on black.
         alpha = alpha.clamp(0, 1)[..., None]
         return self.show(graded / alpha.clamp_min(_CLEAR), values) * alpha
 
@@ -105,9 +105,8 @@ class _Settings:
         self._values, self._like = values, like
 
     def __getitem__(self, name: str) -> Tensor:
-        key = f"film/{name}"
-        value = self._values.get(key)
-        return value if value is not None else self._like.new_full((1,), FAMILIES[key].default)
+        value = self._values.get(f"film/{name}")
+        return value if value is not None else self._like.new_full((1,), FAMILIES[f"film/{name}"].default)
 
     def moves(self, *names: str) -> bool:
         """True if any of the named values is not neutral, or needs a gradient."""
@@ -122,8 +121,7 @@ def power(picture: Picture, exponent: Amount) -> Picture:
 
 def lift_gamma_gain(picture: Picture, lift: Channels, midtone: Channels, gain: Channels) -> Picture:
     """Blender's Color Balance node, type Lift/Gamma/Gain; each color (3,), 1 for no change."""
-    lifted = (picture - 1) * (2 - lift) + 1
-    scaled = lifted * gain
+    scaled = ((picture - 1) * (2 - lift) + 1) * gain
     return scaled.clamp_min(_BLACK) ** (1 / midtone.clamp_min(_BLACK)) * (scaled > 0)
 
 
@@ -165,22 +163,21 @@ def bloom(picture: Tensor) -> Tensor:
 
     If the highlights are even over the whole image, the added light equals them.
     """
-    layers = [_highlights(picture).permute(2, 0, 1)[None]]
+    # Colors whose HSV value is lowered by the bloom threshold, with a smooth start.
+    value = picture.amax(-1, keepdim=True)
+    near = (BLOOM_SMOOTHNESS - (value - BLOOM_THRESHOLD).abs()).clamp_min(0) / BLOOM_SMOOTHNESS
+    above = (value - BLOOM_THRESHOLD).clamp_min(0) + near * near * (BLOOM_SMOOTHNESS / 4)
+    highlights = picture.clamp_min(0) * (above / value.clamp_min(1e-6))
+    layers = [highlights.permute(2, 0, 1)[None]]
     length = int(math.log2(max(min(picture.shape[:2]) * BLOOM_SIZE, 1)))
     for level in range(length - 1):
         layers.append(_halve(layers[-1], calm=level == 0))
     total = layers[-1]
     for finer in reversed(layers[:-1]):
-        total = finer + _tent(functional.interpolate(total, size=finer.shape[-2:], mode="bilinear"))
+        wide = functional.interpolate(total, size=finer.shape[-2:], mode="bilinear")
+        around = functional.pad(wide, (1, 1, 1, 1), mode="replicate")
+        total = finer + functional.avg_pool2d(functional.avg_pool2d(around, 2, 1), 2, 1)  # the filter (1, 2, 1)² / 16
     return total[0].permute(1, 2, 0) / len(layers)
-
-
-def _highlights(picture: Tensor) -> Tensor:
-    """Colors (H, W, 3) whose HSV value is lowered by the bloom threshold, with a smooth start."""
-    value = picture.amax(-1, keepdim=True)
-    near = (BLOOM_SMOOTHNESS - (value - BLOOM_THRESHOLD).abs()).clamp_min(0) / BLOOM_SMOOTHNESS
-    above = (value - BLOOM_THRESHOLD).clamp_min(0) + near * near * (BLOOM_SMOOTHNESS / 4)
-    return picture.clamp_min(0) * (above / value.clamp_min(1e-6))
 
 
 def _halve(layer: Tensor, calm: bool) -> Tensor:
@@ -204,9 +201,3 @@ def _corners(field: Tensor) -> Tensor:
     """Mean of the corners of every 3×3 square."""
     wide = field[..., :-2] + field[..., 2:]
     return (wide[..., :-2, :] + wide[..., 2:, :]) / 4
-
-
-def _tent(layer: Tensor) -> Tensor:
-    """The 3×3 filter (1, 2, 1)² / 16."""
-    around = functional.pad(layer, (1, 1, 1, 1), mode="replicate")
-    return functional.avg_pool2d(functional.avg_pool2d(around, 2, 1), 2, 1)

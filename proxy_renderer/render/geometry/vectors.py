@@ -54,10 +54,8 @@ class _Dot(torch.autograd.Function):
     def backward(ctx, gradient):
         a, b = ctx.saved_tensors
         of_a, of_b = ctx.needs_input_grad
-        return (
-            (gradient * b).sum_to_size(a.shape) if of_a else None,
-            (gradient * a).sum_to_size(b.shape) if of_b else None,
-        )
+        pairs = (of_a, a, b), (of_b, b, a)
+        return tuple((gradient * two).sum_to_size(one.shape) if needed else None for needed, one, two in pairs)
 
 
 def length(a: Tensor, least: float = 1e-6) -> Tensor:
@@ -102,8 +100,7 @@ def reflect(toward: Tensor, normal: Tensor) -> Tensor:
 
 def above(toward: Tensor, facet: Tensor) -> Tensor:
     """Lifts directions (3, N) that would enter the surface to just above it."""
-    cosine = dot(toward, facet)
-    return unit(toward + facet * (0.01 - cosine).clamp_min(0.0))
+    return unit(toward + facet * (0.01 - dot(toward, facet)).clamp_min(0.0))
 
 
 def cosine_directions(normal: Tensor, uv: Tensor) -> Tensor:

@@ -10,6 +10,7 @@ for planes, spheres and cylinders.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import torch
 from torch import Tensor
@@ -20,7 +21,6 @@ from ...schema.orbit import IDENTITY
 from ..geometry.vectors import cosine_directions, cross, dot, unit
 from ..geometry.visibility import RayGeometry, sphere_points
 from ..material.inputs import ShadingInputs
-from .light_source import clipped_sphere
 from .light_types import PointLight
 from .shadows import k_means
 
@@ -37,26 +37,13 @@ class EmitterLight(PointLight):
 
     form: Tensor  # (3, 3) symmetric: the root of w.form.w is the intensity that unit vectors w and -w share
     lean: Tensor  # (3,) lean.w is added to that intensity along w, and subtracted along -w
-
-    @property
-    def owner(self) -> str:
-        """Always "": glowing surfaces are no light of the scene."""
-        return ""
-
-    @property
-    def has_shadow_edges(self) -> bool:
-        """Always False: surfaces do not move."""
-        return False
+    clipped: ClassVar[bool] = True
 
     def directivity(self, toward: Tensor, radius: Tensor | None = None) -> Tensor:
         """Intensity (N,), 1 on average, towards points from which unit vectors (3, N) lead to the light."""
         way = -toward
         even = dot(way, self.form @ way).clamp_min(1e-12).sqrt()
         return (even + self.lean @ way).clamp_min(0.0)
-
-    def surface_cosine(self, cosine: Tensor, sine2: Tensor) -> Tensor:
-        """See `PointLight.surface_cosine`; only the light's part above the surface's horizon counts."""
-        return clipped_sphere(cosine, sine2)
 
 
 EmitterCluster = tuple[EmitterLight, float]  # light of color 1; its power if the surface has radiance 1
@@ -133,9 +120,7 @@ def _points(geometry: RayGeometry, triangles: Tensor) -> tuple[Tensor, Tensor, f
     chosen = torch.searchsorted(areas.cumsum(0), step).clamp_max(len(areas) - 1)
     uv = sphere_points(_POINTS, 1, torch.Generator().manual_seed(3))[:, 0].to(areas.device)
     root = uv[0].sqrt()
-    weights = 1 - root, root * (1 - uv[1]), root * uv[1]
-    place = sum((w * p[:, chosen] for w, p in zip(weights, (a, b, c), strict=True)), torch.zeros(()))
-    assert isinstance(place, Tensor)
+    place = (1 - root) * a[:, chosen] + root * (1 - uv[1]) * b[:, chosen] + root * uv[1] * c[:, chosen]
     return place, unit(double, 1e-15)[:, chosen], float(areas.sum())
 
 
@@ -171,22 +156,16 @@ def _cluster(
     even, odd = (outside + inside) / 2 * area, (outside - inside) / 2 * area
     whole = float(even.sum())
     form = (normal * even) @ normal.T / max(whole, 1e-20)
-    around = _sphere().to(place)
-    root = (around * (form @ around)).sum(0).clamp_min(0.0).sqrt()
-    form = form / root.mean().clamp_min(1e-6).square()
-    lean = 2 * (normal * odd).sum(1) / max(whole, 1e-20)
-    axes = torch.eye(3, device=place.device)
-    name = f"emitter/{material}/{number}"
-    light = Light(name, "POINT", IDENTITY, (0.0, 0.0, 0.0), soft_falloff=False)
-    ones, middle = torch.ones(3, device=place.device), place.mean(1)
-    place_and_form = middle, axes, _radius(place), form, lean
-    lamp = EmitterLight(light, ones, *place_and_form, pictured=True, shadowless=material)
-    return lamp, 2 * math.pi * whole
-
-
-def _sphere() -> Tensor:
-    """(3, 2048) directions, evenly spread: a Fibonacci lattice."""
+    # Evenly spread directions, a Fibonacci lattice: the root's mean over them becomes 1.
     index = torch.arange(2048) + 0.5
     z, angle = 1 - index / 1024, index * (math.pi * (3 - math.sqrt(5)))
     radius = (1 - z * z).sqrt()
-    return torch.stack((radius * angle.cos(), radius * angle.sin(), z))
+    around = torch.stack((radius * angle.cos(), radius * angle.sin(), z)).to(place)
+    root = (around * (form @ around)).sum(0).clamp_min(0.0).sqrt()
+    form = form / root.mean().clamp_min(1e-6).square()
+    lean = 2 * (normal * odd).sum(1) / max(whole, 1e-20)
+    light = Light(f"emitter/{material}/{number}", "POINT", IDENTITY, (0.0, 0.0, 0.0), soft_falloff=False)
+    ones, axes = torch.ones(3, device=place.device), torch.eye(3, device=place.device)
+    place_and_form = place.mean(1), axes, _radius(place), form, lean
+    lamp = EmitterLight(light, ones, *place_and_form, pictured=True, shadowless=material)
+    return lamp, 2 * math.pi * whole

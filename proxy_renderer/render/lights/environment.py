@@ -22,7 +22,8 @@ from ...scene.values import RenderValues
 from ..geometry.vectors import dot, texels, unit
 from ..material import albedo
 from ..material.albedo import mirrored, unshadowed, visible_normals
-from .environment_suns import EnvironmentSun, EnvironmentSunLight, split
+from .environment_suns import EnvironmentSun, split
+from .light_types import SunLight
 
 _ROUGH_HEIGHT = 48
 _SHARP_HEIGHT = 512
@@ -120,10 +121,14 @@ class Sky:
             return torch.ones_like(mirrored)
         leans, widths = torch.einsum("pkb,bn->pkn", taps(roughness).to(view), view)
         upwards = normal - mirrored * dot(normal, mirrored)
+        height, width = self.environment.blurred.shape[3], self.environment.blurred.shape[4] - 2
         parts = []
-        for lean, width in zip(leans, widths, strict=True):
-            place = _place(unit(mirrored + upwards * lean), self.turn)[0, 0]
-            parts.append(look_up_blurred(self.environment.blurred, place, width))
+        for lean, round_roughness in zip(leans, widths, strict=True):
+            x, y = _place(unit(mirrored + upwards * lean), self.turn)[0, 0].unbind(1)
+            level = (round_roughness - _FIRST_BLUR) / (_BLUR_STEP * (_BLURS - 1) / 2) - 1
+            # In `trilinear`, -1 and 1 are the middles of the outermost texels.
+            where = torch.stack((x * (width / (width + 1)), y * (height / max(height - 1, 1)), level), 1)
+            parts.append(trilinear(self.environment.blurred, where))
         return torch.stack(parts).mean(0)
 
     def seen(self, toward: Tensor) -> Tensor:
@@ -148,15 +153,14 @@ class Sky:
         if picture is None or not picture.numel():
             return torch.ones_like(toward)
         width = picture.shape[-1] - 2
-        place = _place(toward, turn)
-        place = place * place.new_tensor((width / (width + 2), 1.0))
+        place = _place(toward, turn) * toward.new_tensor((width / (width + 2), 1.0))
         return grid_sample(picture, place, padding_mode="border", align_corners=False)[0, :, 0]
 
     @property
-    def lamps(self) -> list[EnvironmentSunLight]:
+    def lamps(self) -> list[SunLight]:
         """The suns of the world's image, as lights."""
-        hidden = self.environment.hidden
-        return [sun.lamp(i, self.color, self.turn, hidden) for i, sun in enumerate(self.environment.suns)]
+        world = self.color, self.turn, self.environment.hidden
+        return [sun.lamp(i, *world) for i, sun in enumerate(self.environment.suns)]
 
     def coefficients(self) -> Tensor:
         """Spherical harmonics (9, 3) of the colored, turned world."""
@@ -201,8 +205,8 @@ def sky_of(environment: Environment, settings: RenderValues) -> Sky:
     kind = "color" if environment.backdrop is None else "tint"
     backdrop = settings.color(f"world/backdrop_{kind}", 1.0) * settings.scalar("world/backdrop_strength", 1.0)
     turned = turn if _shares_picture(settings.scene) else still
-    has_horizon = "world/backdrop_horizon" in settings.scene.instances
-    horizon = settings.color("world/backdrop_horizon", 1.0) if has_horizon else None
+    key = "world/backdrop_horizon"
+    horizon = settings.color(key, 1.0) if key in settings.scene.instances else None
     return Sky(environment, color, turn, backdrop, turned, horizon)
 
 
@@ -245,8 +249,7 @@ def blurred_stack(picture: Tensor) -> Tensor:
     """L blurred copies (1, 3, L, H, W + 2) of an equirectangular image (1, 3, H, W), with wrapped columns at both sides."""
     height = min(_BLURRED_HEIGHT, picture.shape[2])
     small = interpolate(picture, (height, 2 * height), mode="area")[0]
-    levels = torch.stack([blurred(small, _FIRST_BLUR + _BLUR_STEP * level) for level in range(_BLURS)], 1)
-    return torch.cat((levels[..., -1:], levels, levels[..., :1]), -1)[None]
+    return _padded(torch.stack([blurred(small, _FIRST_BLUR + _BLUR_STEP * level) for level in range(_BLURS)], 1))[None]
 
 
 def blurred(picture: Tensor, roughness: float) -> Tensor:
@@ -267,16 +270,6 @@ def blurred(picture: Tensor, roughness: float) -> Tensor:
     return torch.fft.irfft(torch.einsum("ijw,cjw->ciw", waves, torch.fft.rfft(picture)), n=width)
 
 
-def look_up_blurred(stack_: Tensor, place: Tensor, roughness: Tensor) -> Tensor:
-    """Radiance (3, N) averaged over round lobes of a roughness (N,), from a `blurred_stack`; places (N, 2) in [-1, 1] are across and up."""
-    height, width = stack_.shape[3], stack_.shape[4] - 2
-    level = (roughness - _FIRST_BLUR) / (_BLUR_STEP * (_BLURS - 1) / 2) - 1
-    x, y = place.unbind(1)
-    # In `trilinear`, -1 and 1 are the middles of the outermost texels.
-    where = torch.stack((x * (width / (width + 1)), y * (height / max(height - 1, 1)), level), 1)
-    return trilinear(stack_, where)
-
-
 @functools.cache
 def taps(roughness: float) -> Tensor:
     """The K round lobes that approximate the long lobe of a roughness (see the module's docstring).
@@ -285,8 +278,7 @@ def taps(roughness: float) -> Tensor:
     direction towards the normal: its tangent, divided by the sine of the viewer's angle. The second is its roughness.
     """
     count = 2 if roughness < _ROUGH else 4
-    rows = [_taps(c, roughness**2, count) for c in albedo.COSINES]
-    return albedo.fit(torch.stack(rows, -1))
+    return albedo.fit(torch.stack([_taps(cosine, roughness**2, count) for cosine in albedo.COSINES], -1))
 
 
 def _taps(cosine: float, alpha: float, count: int) -> Tensor:

@@ -29,16 +29,6 @@ _SEARCH_HEIGHT = 128
 
 
 @dataclass(frozen=True)
-class EnvironmentSunLight(SunLight):
-    """A bright part of the world's image, as a sun light."""
-
-    @property
-    def owner(self) -> str:
-        """Always "world"."""
-        return "world"
-
-
-@dataclass(frozen=True)
 class EnvironmentSun:
     """A bright part of an image, as a disc."""
 
@@ -51,16 +41,15 @@ class EnvironmentSun:
         """True if reflections show the sun as a part of the image, not as the highlight of a disc."""
         return self.angle > _WIDE
 
-    def lamp(self, number: int, tint: Tensor, turn: Tensor, hidden: tuple[str, ...] = ()) -> EnvironmentSunLight:
+    def lamp(self, number: int, tint: Tensor, turn: Tensor, hidden: tuple[str, ...] = ()) -> SunLight:
         """The sun as a light, in a world of color `tint` (3,), turned by `turn` () radians and `hidden` from kinds of rays."""
-        c, s, zero = turn.cos(), turn.sin(), torch.zeros_like(turn)
-        one = torch.ones_like(turn)
+        c, s, zero, one = turn.cos(), turn.sin(), torch.zeros_like(turn), torch.ones_like(turn)
         rows = torch.stack((c, s, zero)), torch.stack((-s, c, zero)), torch.stack((zero, zero, one))
         across, up = tangents(self.toward[:, None])
         axes = torch.stack(rows) @ torch.cat((across, up, self.toward[:, None]), 1)
         light = Light(f"world/{number}", "SUN", IDENTITY, (0.0, 0.0, 0.0), hidden=hidden)
         place, size = torch.zeros_like(self.toward), torch.full_like(turn.detach(), self.angle)
-        return EnvironmentSunLight(light, self.color * tint, place, axes, size, pictured=self.wide)
+        return SunLight(light, self.color * tint, place, axes, size, pictured=self.wide, owner="world")
 
 
 def split(picture: Tensor) -> tuple[Tensor, Tensor, list[EnvironmentSun]]:
@@ -72,7 +61,7 @@ def split(picture: Tensor) -> tuple[Tensor, Tensor, list[EnvironmentSun]]:
     weights = picture.new_tensor(LUMINANCE_WEIGHTS)
     mean = float(weights @ small @ solid) / (4 * math.pi)
     flat = picture[0].flatten(1)
-    candidates: list[tuple[EnvironmentSun, Tensor]] = []
+    found: list[tuple[float, EnvironmentSun, Tensor]] = []
     for _ in range(_TRIED):
         peak = _middle(weights @ small, toward, solid)
         radius, level = _extent(small, toward, solid, peak, weights)
@@ -80,20 +69,22 @@ def split(picture: Tensor) -> tuple[Tensor, Tensor, list[EnvironmentSun]]:
         if not float(weights @ excess @ solid) > 0:
             break
         part = _excess(flat, fine, peak, radius, level)
-        candidates.append((_sun(excess @ solid, weights @ excess * solid, toward), part))
         small, flat = small - excess, flat - part
-    candidates = [pair for pair in candidates if _counts(pair[0], float(weights @ pair[0].color), mean)]
-    kept = sorted(candidates, key=lambda pair: -float(weights @ pair[0].color))[:_MOST]
+        # A disc with the centroid and second moment of the texels' luminous irradiance (T,).
+        light = weights @ excess * solid
+        center = toward @ light
+        center = center / center.norm()
+        moment = float((torch.arccos((center @ toward).clamp(-1.0, 1.0)) ** 2) @ light / light.sum())
+        sun = EnvironmentSun(center, excess @ solid, 2 * math.sqrt(2 * moment))
+        bright = float(weights @ sun.color)
+        radiance = bright / (math.pi * max(sun.angle / 2, 1e-4) ** 2)
+        if bright > _LEAST_SHARE * math.pi * mean and radiance > _LEAST_CONTRAST * mean:
+            found.append((bright, sun, part.view_as(picture)))
+    kept = sorted(found, key=lambda row: -row[0])[:_MOST]
     nothing = torch.zeros_like(picture)
-    rest = sum((part.view_as(picture) for _, part in kept), nothing)
-    discs = sum((part.view_as(picture) for sun, part in kept if not sun.wide), nothing)
-    return picture - discs, picture - rest, sorted((sun for sun, _ in kept), key=lambda sun: sun.wide)
-
-
-def _counts(sun: EnvironmentSun, light: float, mean: float) -> bool:
-    """True if a sun's irradiance is worth a light in a world of this mean radiance."""
-    radiance = light / (math.pi * max(sun.angle / 2, 1e-4) ** 2)
-    return light > _LEAST_SHARE * math.pi * mean and radiance > _LEAST_CONTRAST * mean
+    rest = sum((part for _, _, part in kept), nothing)
+    discs = sum((part for _, sun, part in kept if not sun.wide), nothing)
+    return picture - discs, picture - rest, sorted((sun for _, sun, _ in kept), key=lambda sun: sun.wide)
 
 
 def _middle(light: Tensor, toward: Tensor, solid: Tensor) -> Tensor:
@@ -133,12 +124,3 @@ def _excess(picture: Tensor, toward: Tensor, peak: Tensor, radius: float, level:
     """Light (3, T) of texels above a level (3,), around a peak; 0 for texels outside the radius, which is given as a cosine."""
     near = (peak @ toward > radius).to(picture.dtype)
     return (picture - level[:, None]).clamp_min(0.0) * near
-
-
-def _sun(color: Tensor, light: Tensor, toward: Tensor) -> EnvironmentSun:
-    """A sun of irradiance `color` (3,): the disc with centroid and second moment of the texels' luminous irradiance `light` (T,)."""
-    center = toward @ light
-    center = center / center.norm()
-    cosine = (center @ toward).clamp(-1.0, 1.0)
-    moment = float((torch.arccos(cosine) ** 2) @ light / light.sum())
-    return EnvironmentSun(center, color, 2 * math.sqrt(2 * moment))

@@ -60,6 +60,8 @@ class LightSource(ABC):
     size: Float[Tensor, ""]  # () radius, width or angle, see `read_size`
     pictured: bool = field(default=False, kw_only=True)  # whether reflections show its image, not a highlight
     shadowless: int = field(default=-1, kw_only=True)  # material without a shadow in its light; -1 for none
+    # owner of the parameters that its color depends on: "light/NAME" or "world"; "" for what surfaces emit
+    owner: str = field(default="", kw_only=True)
 
     energy_name: ClassVar[str] = "power"  # the parameter of its energy: "power" in watts, "strength" in W/m²
     at_infinity: ClassVar[bool] = False  # whether all its light comes from one direction, with no distance
@@ -86,7 +88,7 @@ class LightSource(ABC):
         else:
             axes = frame(azimuth, elevation) @ axes
             position = pivot + distance * direction(azimuth, elevation)
-        return cls(light, color, position, axes, within(size, 0.0, math.inf))
+        return cls(light, color, position, axes, within(size, 0.0, math.inf), owner=f"light/{light.name}")
 
     @staticmethod
     def read_size(light: Light, values: RenderValues) -> Float[Tensor, ""]:
@@ -122,19 +124,9 @@ class LightSource(ABC):
         return ray not in self.light.hidden
 
     @property
-    def owner(self) -> str:
-        """Owner of the parameters that its color depends on: "light/NAME" or "world"; "" for what surfaces emit."""
-        return f"light/{self.light.name}"
-
-    @property
     def shines(self) -> bool:
         """True if it gives light, or its color is being learned."""
         return self.color.requires_grad or bool(self.color.any())
-
-    @property
-    def has_shadow_edges(self) -> bool:
-        """True if its shadows' edges have gradients."""
-        return self.light.shadow
 
     @property
     def placement(self) -> dict[str, Tensor]:
@@ -149,10 +141,6 @@ class LightSource(ABC):
     def signature(self) -> tuple[float, ...]:
         """Numbers that change when its placement does."""
         return tuple(torch.cat([part.detach().flatten() for part in self.placement.values()]).tolist())
-
-    def has_rays_of(self, other: LightSource | None) -> bool:
-        """True if rays to its center are the same as those to another light's; size and color may differ."""
-        return other is not None and self.position.equal(other.position) and self.axes.equal(other.axes)
 
     def detached(self) -> Self:
         """The same light without gradients."""
@@ -211,7 +199,13 @@ def equiangular(
     closest = (to_light * segments.toward).sum(0)
     aside = (to_light * to_light).sum(0) - closest * closest
     aside = (aside.clamp_min(0) + softness * softness + 1e-6).sqrt()
-    cuts = segments.cuts if back is None else _lit_cuts(segments, position, back)
+    cuts = segments.cuts
+    if back is not None:
+        # Ends of segments behind a flat light, which shines to one side only, are moved to its plane.
+        z = back.view(3, 1, 1)
+        slope = (z * segments.toward).sum(0)  # above 0 from the lit side to the dark one
+        plane = (z * to_light).sum(0) / torch.where(slope.abs() < 1e-6, 1e-6, slope)
+        cuts = torch.where(slope > 0, torch.minimum(cuts, plane), torch.maximum(cuts, plane))
     angle = torch.atan((cuts - closest) / aside)[:, None]
     step = angle[1:] - angle[:-1]
     part = (torch.arange(parts, device=aside.device) + 0.5).view(-1, 1, 1) / parts
@@ -224,13 +218,3 @@ def equiangular(
     toward = offset / distance
     strength = intensity(toward.flatten(1)).view(distance.shape) * mean_inverse_square
     return SegmentLight(points, toward, distance, strength)
-
-
-def _lit_cuts(segments: RaySegments, position: Tensor, back: Tensor) -> Tensor:
-    """The segments' ends (S + 1, …); those behind a flat light, which shines to one side only, are moved to its plane."""
-    z = back.view(3, 1, 1)
-    before = (z * (position.view(3, 1, 1) - segments.start)).sum(0)
-    slope = (z * segments.toward).sum(0)
-    plane = before / torch.where(slope.abs() < 1e-6, 1e-6, slope)
-    leaving = slope > 0  # from the lit side to the dark one
-    return torch.where(leaving, torch.minimum(segments.cuts, plane), torch.maximum(segments.cuts, plane))

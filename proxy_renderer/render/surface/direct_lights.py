@@ -101,7 +101,7 @@ class DirectLights:
 
     def _moving_shadow(self, kept: _Shadowed, lamp: LightSource, view: View) -> Tensor:
         """Zeros (N,) whose gradient is that of a light's shadows, which move with light and camera."""
-        if not lamp.has_shadow_edges:
+        if not lamp.light.shadow or not lamp.owner:  # surfaces that glow do not move
             return torch.zeros_like(kept.visible)
         if kept.edges is None:
             with torch.no_grad():

@@ -221,7 +221,9 @@ class ViewCache:
                 return
         self._bounced[index] = lamp.detached()
         with torch.no_grad():
-            self.indirect.light(index, self._bounced[index], lamp.has_rays_of(last))
+            # If only its size has changed, the rays to its center are the same.
+            same_rays = last is not None and lamp.position.equal(last.position) and lamp.axes.equal(last.axes)
+            self.indirect.light(index, self._bounced[index], same_rays)
 
     def behind(self, material: int, side: int, part: slice, ior: float, lamps: Sequence[LightSource]) -> RefractedHits:
         """Hits of rays through a material's samples `part`, refracted by an IOR; kept by material and side.
