@@ -19,7 +19,7 @@ _CELLS_ACROSS = 96
 
 
 class SparseWeights:
-    """A constant sparse matrix (N, A), which multiplies values (A, C).
+    """A constant sparse matrix (N, A), which multiplies values (A, …).
 
     `rows` (R,) are the increasing indices of the rows that are not empty. Each has K entries: `columns` and `weights` are (R, K).
     Entries of one column add up.
@@ -32,8 +32,9 @@ class SparseWeights:
         self.forward = _csr(counts, self._columns.flatten(), weights.flatten(), shape)
 
     def __call__(self, values: Tensor) -> Tensor:
-        """(N, C) weighted sums of values (A, C)."""
-        return _SparseProduct.apply(values, self)
+        """(N, …) weighted sums of values (A, …)."""
+        sums: Tensor = _SparseProduct.apply(values.flatten(1), self)
+        return sums.view(-1, *values.shape[1:])
 
     @functools.cached_property
     def backward(self) -> Tensor:

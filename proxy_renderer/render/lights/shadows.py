@@ -26,6 +26,9 @@ from .light_source import DirectIrradiance, LightSource
 EXACT = 16  # lights traced one by one; of more, the strongest EXACT // 2, the rest in EXACT // 2 clusters
 _POINTS = 256
 _K_MEANS_ROUNDS = 12
+_MOST_RAYS = 4
+_SHARP = 1e-3  # solid angle below which one ray is enough
+_CLUSTER_RAYS = 4
 
 
 @dataclass(frozen=True)
@@ -88,13 +91,6 @@ class LightClusters:
         return LightClusters([LightCluster(g, tuple((mean[list(g)] / mean[g[0]]).tolist())) for g in groups])
 
 
-def weights(cluster: LightCluster, lamps: Sequence[LightSource]) -> Tensor:
-    """Relative number (C,) of shadow rays to each member: its light on visible points, plus a tenth of the mean, above 0."""
-    bright = luminance(torch.stack([lamps[i].color.detach() for i in cluster.members]))[:, 0]
-    power = (bright * bright.new_tensor(cluster.powers)).clamp_min(0.0)
-    return power + 0.1 * power.mean() + 1e-12
-
-
 def k_means(points: Tensor, count: int) -> Tensor:
     """The cluster (P,) of each of P points (D, P), at most `count`; deterministic, with start centers far from each other."""
     centers = points[:, :1]
@@ -107,11 +103,6 @@ def k_means(points: Tensor, count: int) -> Tensor:
         member = torch.nn.functional.one_hot(label, count).to(points.dtype)
         centers = (points @ member) / member.sum(0).clamp_min(1.0)
     return label
-
-
-_MOST_RAYS = 4
-_SHARP = 1e-3  # solid angle below which one ray is enough
-_CLUSTER_RAYS = 4
 
 
 def shadow(
@@ -197,31 +188,35 @@ def _steps(radius: int) -> list[tuple[int, int]]:
 
 
 def cluster_shadow(
-    geometry: RayGeometry, smoothing: ShadowFilter, lamps: Sequence[LightSource], weights: Tensor
+    geometry: RayGeometry, smoothing: ShadowFilter, cluster: LightCluster, lamps: Sequence[LightSource]
 ) -> Tensor:
-    """Share (N,) of the light of several lights together that every surface sample sees.
+    """Share (N,) of the light of a cluster's lights together that every surface sample sees.
 
-    A sample has a few rays, each to a light that is drawn with a chance proportional to its weight, (C,) > 0. The light along
-    these rays is summed over neighbors on the same smooth surface, with and without shadows. The share is the ratio of the two
-    sums. All these lights must cast shadows, and light all objects.
+    A sample has a few rays, each to a light that is drawn with a chance proportional to its light on visible points, plus a tenth
+    of the mean. The light along these rays is summed over neighbors on the same smooth surface, with and without shadows. The
+    share is the ratio of the two sums. All these lights must cast shadows, and light all objects.
     """
-    surface, device = smoothing.surface, weights.device
-    count = len(surface.material)
+    members = [lamps[i].detached() for i in cluster.members]
+    bright = luminance(torch.stack([lamp.color for lamp in members]))[:, 0]
+    power = (bright * bright.new_tensor(cluster.powers)).clamp_min(0.0)
+    weights = power + 0.1 * power.mean() + 1e-12
     chance = weights / weights.sum()
+    surface, device = smoothing.surface, chance.device
+    count = len(surface.material)
     generator = torch.Generator().manual_seed(12)
     jitter = torch.rand((count, _CLUSTER_RAYS), generator=generator)
     strata = (torch.arange(_CLUSTER_RAYS) + jitter) / _CLUSTER_RAYS
-    chosen = torch.searchsorted(chance.cumsum(0), strata.to(device)).clamp_max(len(lamps) - 1)
+    chosen = torch.searchsorted(chance.cumsum(0), strata.to(device)).clamp_max(len(members) - 1)
     spots = sphere_points(_CLUSTER_RAYS, count, generator).to(device)
     seen, whole = torch.zeros((2, count), device=device)
-    for number, lamp in enumerate(lamps):
+    for number, lamp in enumerate(members):
         sample, ray = (chosen == number).nonzero().T
         part = surface.pick(sample)
         direct = lamp.irradiance(part.position, part.normal)
         brought = direct.irradiance * luminance(lamp.color) / chance[number]
         index = (brought > 0).nonzero()[:, 0]
-        sample, ray, part, brought = sample[index], ray[index], part.pick(index), brought[index]
-        direct = direct.pick(index)
+        sample, ray, brought = sample[index], ray[index], brought[index]
+        part, direct = part.pick(index), direct.pick(index)
         toward, distance = lamp.shadow_targets(direct, spots[:, sample, ray])
         clear = geometry.clear(geometry.lifted(part), toward, distance * (1 - 1e-4), lamp.shadowless)
         facing = dot(part.facet, direct.toward) > 0

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Depth of field: what lies out of focus is blurred over the circle of confusion of its depth.
 
-The image is cut into layers of about the same blur, each is blurred by a disc, and they are laid over each other from
-far to near. Parts of layers that a near object hides are filled from what they show around it.
+The image is cut into layers of about the same blur, each is blurred by a disc, and they are laid over each other from far to
+near. Parts of layers that a near object hides are filled from what they show around it.
 """
 
 from __future__ import annotations
@@ -27,8 +27,7 @@ class Defocus:
     """The blur of one view; a constant for gradients, which pass through the colors."""
 
     size: tuple[int, int]  # width and height of the image in pixels
-    # from far to near: a layer's opacity (H, W), and the Fourier spectrum of the disc that blurs it; None if
-    # it is sharp
+    # from far to near: a layer's opacity (H, W), and the Fourier spectrum of the disc that blurs it; None if it is sharp
     layers: list[tuple[Tensor, Tensor | None]]
     padded: tuple[int, int]  # height and width that convolutions are done at
 
@@ -37,7 +36,19 @@ class Defocus:
         """The blur of a view with distances (H, W) along the pixels' rays, infinite for the background; None where all is sharp."""
         if camera.aperture <= 0:
             return None
-        radius = _radii(camera, view, distance)
+        # Signed radius (H, W) of a thin lens's circles of confusion, as in Cycles: pixels, below 0 behind the plane in focus.
+        toward = view.rays(pixel_centers(view.size).to(distance.device))[1]
+        ahead = -view.rotation[:, 2:3]
+        depth = (distance.flatten() * dot(ahead, toward)).view(distance.shape)
+        focus = camera.focus_distance
+        if camera.focus_point is not None:
+            offset = torch.tensor(camera.focus_point, device=distance.device) - view.position
+            focus = float(dot(ahead, offset[:, None]).abs())
+        focus = max(focus, 1e-4)
+        blur = 1 - depth / focus if view.orthographic else 1 / depth.clamp_min(1e-6) - 1 / focus
+        pixel = float(view.scale) * view.extent[0] / view.size[0]
+        most = _MOST * max(view.size)
+        radius = (blur * (camera.aperture / pixel)).clamp(-most, most)
         if float(radius.abs().max()) < _LEAST:
             return None
         knots = _knots(float(radius.min()), float(radius.max()))
@@ -61,23 +72,6 @@ class Defocus:
                 layer = torch.fft.irfft2(spectrum, s=self.padded)[:, :height, :width]
             total = total * (1 - layer[-1:].clamp(0.0, 1.0)) + layer
         return (total[:-1] / total[-1:].clamp_min(1e-3)).clamp_min(0.0).view(picture.shape)
-
-
-def _radii(camera: Camera, view: View, distance: Tensor) -> Tensor:
-    """Signed radius (H, W) of the circles of confusion of a thin lens, as in Cycles: pixels, below 0 behind the plane in focus."""
-    height, width = distance.shape
-    toward = view.rays(pixel_centers((width, height)).to(distance.device))[1]
-    ahead = -view.rotation[:, 2:3]
-    depth = (distance.flatten() * dot(ahead, toward)).view(height, width)
-    focus = camera.focus_distance
-    if camera.focus_point is not None:
-        offset = torch.tensor(camera.focus_point, device=distance.device) - view.position
-        focus = float(dot(ahead, offset[:, None]).abs())
-    focus = max(focus, 1e-4)
-    blur = 1 - depth / focus if view.orthographic else 1 / depth.clamp_min(1e-6) - 1 / focus
-    pixel = float(view.scale) * view.extent[0] / width
-    most = _MOST * max(width, height)
-    return (blur * (camera.aperture / pixel)).clamp(-most, most)
 
 
 def _knots(least: float, greatest: float) -> list[float]:

@@ -21,7 +21,7 @@ from ..geometry.vectors import above, dot, reflect
 from ..geometry.visibility import RayGeometry, Surface
 from ..lights.area_specular import AreaSpecular, area_specular
 from ..lights.light_source import DirectIrradiance, LightSource
-from ..lights.shadows import LightClusters, ShadowFilter, cluster_shadow, shadow, weights
+from ..lights.shadows import LightClusters, ShadowFilter, cluster_shadow, shadow
 from ..material import albedo
 from ..transport.fog import FogMedium, LightPaths
 from .edges import ShadowEdges
@@ -87,17 +87,15 @@ class DirectLights:
 
     def _shadowed(self, index: int, lamps: Sequence[LightSource], direct: DirectIrradiance | None) -> _Shadowed:
         """Traces a light's shadows; its unshadowed irradiance is computed where the caller has none."""
-        lamp, row, signature = lamps[index], self._clusters.row[index], self._signature(index, lamps)
-        view = self._geometry, self._smoothing
-        cluster = self._clusters.clusters[row]
+        row, signature = self._clusters.row[index], self._signature(index, lamps)
+        view, cluster = (self._geometry, self._smoothing), self._clusters.clusters[row]
         if len(cluster.members) > 1:
             if row not in self._shared or self._shared[row][0] != signature:
-                members = [lamps[i].detached() for i in cluster.members]
-                self._shared[row] = signature, cluster_shadow(*view, members, weights(cluster, lamps))
+                self._shared[row] = signature, cluster_shadow(*view, cluster, lamps)
             return _Shadowed(signature, self._shared[row][1])
-        still = lamp.detached()
+        still = lamps[index].detached()
         direct = direct or still.irradiance(self._seen.surface.position, self._seen.surface.normal)
-        return _Shadowed(signature, shadow(*view, still, direct, lamp.moving))
+        return _Shadowed(signature, shadow(*view, still, direct, lamps[index].moving))
 
     def _moving_shadow(self, kept: _Shadowed, lamp: LightSource, view: View) -> Tensor:
         """Zeros (N,) whose gradient is that of a light's shadows, which move with light and camera."""

@@ -155,7 +155,17 @@ class Silhouettes:
         sample = torch.stack((nearest, last_of(samples.pixel, order.flip(0), pixels)[far]))
         keep = sample[0] < samples.surfaces
         near, far, sample = near[keep], far[keep], sample[:, keep]
-        normal = _contour_normals(depth, near, far)
+        # Unit normals (2, E) of outlines in the image, away from the near surface.
+        flat = depth.flatten()
+        edge = torch.minimum((flat[near] + flat[far]) / 2, flat[near] * 1.5)
+        normal = torch.zeros((2, len(near)), device=depth.device)
+        for dy in range(-_CONTOUR_WINDOW, _CONTOUR_WINDOW + 1):
+            for dx in range(-_CONTOUR_WINDOW, _CONTOUR_WINDOW + 1):
+                y, x = (near // width + dy).clamp(0, height - 1), (near % width + dx).clamp(0, width - 1)
+                sign = torch.where(flat[y * width + x] < edge, -1.0, 1.0)
+                normal[0] += sign * dx
+                normal[1] += sign * dy
+        normal = normal / normal.norm(dim=0).clamp_min(1e-6)
         step = torch.stack((far % width - near % width, far // width - near // width)).to(normal.dtype)
         motion = normal * (normal * step).sum(0).clamp_min(0.0)
         return Silhouettes(torch.stack((near, far)), sample, surface.position[:, sample[0]], motion)
@@ -179,30 +189,13 @@ def _pairs(depth: Tensor, owner: Tensor, axis: int) -> tuple[Tensor, Tensor]:
     i, j = index.narrow(axis, 0, n), index.narrow(axis, 1, n)
     low, high = torch.minimum(a, b), torch.maximum(a, b)
     # A smooth surface continues its slope over the neighbors; an outline does not.
-    before = torch.minimum(_shifted(depth, axis, -1, n), a) / torch.maximum(_shifted(depth, axis, -1, n), a)
-    after = torch.minimum(_shifted(depth, axis, 2, n), b) / torch.maximum(_shifted(depth, axis, 2, n), b)
+    last = depth.shape[axis] - 1
+    previous, following = (
+        depth.index_select(axis, (torch.arange(n, device=depth.device) + by).clamp(0, last)) for by in (-1, 2)
+    )
+    before = torch.minimum(previous, a) / torch.maximum(previous, a)
+    after = torch.minimum(following, b) / torch.maximum(following, b)
     bent = torch.minimum(before.nan_to_num(1.0), after.nan_to_num(1.0))
     jump = (owner.narrow(axis, 0, n) != owner.narrow(axis, 1, n)) | (low < high * (0.985 * bent))
     jump &= low.isfinite()
     return torch.where(a < b, i, j)[jump], torch.where(a < b, j, i)[jump]
-
-
-def _shifted(depth: Tensor, axis: int, by: int, count: int) -> Tensor:
-    index = (torch.arange(count, device=depth.device) + by).clamp(0, depth.shape[axis] - 1)
-    return depth.index_select(axis, index)
-
-
-def _contour_normals(depth: Tensor, near: Tensor, far: Tensor) -> Tensor:
-    """Unit normals (2, E) of outlines in the image, away from the near surface."""
-    height, width = depth.shape
-    flat = depth.flatten()
-    edge = torch.minimum((flat[near] + flat[far]) / 2, flat[near] * 1.5)
-    x, y = near % width, near // width
-    total = torch.zeros((2, len(near)), device=depth.device)
-    for dy in range(-_CONTOUR_WINDOW, _CONTOUR_WINDOW + 1):
-        for dx in range(-_CONTOUR_WINDOW, _CONTOUR_WINDOW + 1):
-            at = (y + dy).clamp(0, height - 1) * width + (x + dx).clamp(0, width - 1)
-            sign = torch.where(flat[at] < edge, -1.0, 1.0)
-            total[0] += sign * dx
-            total[1] += sign * dy
-    return total / total.norm(dim=0).clamp_min(1e-6)

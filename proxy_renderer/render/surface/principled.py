@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Principled BSDF, layer by layer as Cycles weighs them (kernel/svm/closure.h): sheen, coat, metal, glass, dielectric.
 
-All samples of one material are shaded together, so its parameters are scalars and small vectors that
-broadcast; lobes whose weight is a constant zero are skipped.
+All samples of one material are shaded together, so its parameters are scalars and small vectors that broadcast; lobes whose
+weight is a constant zero are skipped.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class _Layer(NamedTuple):
 
     def reflected(self, light: IncidentLight, lobes: Sequence[Tensor], reflections: Tensor) -> Tensor:
         """Reflected radiance (3, N) of lights, from their lobes (N,), and of the surroundings, from `reflections` (3, N)."""
-        direct = specular(light.lamps, light.highlights, lobes, self.curve, self.f0)
+        direct = specular(light, lobes, self.curve, self.f0)
         if self.edge is not None:
             curve = albedo.edge_curve().to(self.e.device)
             bent = [lobe * (curve @ h.curve) for lobe, h in zip(lobes, light.highlights, strict=True)]
@@ -127,8 +127,7 @@ def _glass(
     f0 = albedo.f0_of(ior) * within(inputs.specular_tint, 0.0, 1.0)[:, None]
     share = albedo.weigh(albedo.dielectric_share(inputs.roughness, ior), light.view).clamp(0.0, 1.0)
     reflectance = f0 + (1 - f0) * share
-    curve = albedo.dielectric_curve(ior)
-    direct = specular(light.lamps, light.highlights, lobes, curve, f0)
+    direct = specular(light, lobes, albedo.dielectric_curve(ior), f0)
     behind = light.behind if light.behind is not None else reflections
     # Rough glass blurs what is behind it. One ray shows no blur: mix towards the diffuse light instead.
     behind = torch.lerp(behind, light.reflected.images[-1], inputs.roughness)
@@ -152,16 +151,11 @@ def _coat(inputs: ShadingInputs, light: IncidentLight) -> _Layer:
     boost = (1 + many * ((1 - e) / e)) * inputs.coat
     left = 1 - reflectance * e * boost
     if any(t != 1.0 for t in inputs.coat_tint):
-        left = left * (1 - inputs.coat * (1 - _coat_tint(inputs, light)))
+        # Transmittance (3, N) of a colored coat: Beer's law along the refracted ray.
+        tint, cosine = light.view.new_tensor(inputs.coat_tint).clamp_min(1e-4)[:, None], 1 - light.view[1]
+        depth = (1 - (1 - cosine * cosine) / inputs.coat_ior**2).clamp_min(1e-4).rsqrt()
+        left = left * (1 - inputs.coat * (1 - tint**depth))
     return _Layer(e, f0.expand(3, 1), albedo.dielectric_curve(ior), reflectance, boost, left)
-
-
-def _coat_tint(inputs: ShadingInputs, light: IncidentLight) -> Tensor:
-    """Transmittance (3, N) of a colored coat: Beer's law along the refracted ray."""
-    tint = light.view.new_tensor(inputs.coat_tint).clamp_min(1e-4)[:, None]
-    cosine = 1 - light.view[1]
-    depth = (1 - (1 - cosine * cosine) / inputs.coat_ior**2).clamp_min(1e-4).rsqrt()
-    return tint**depth
 
 
 _SHEEN = (
@@ -212,20 +206,16 @@ class ReflectedRadiance:
 
     def at(self, roughness: Float[Tensor, "*varying"]) -> Float[Tensor, "3 n"]:
         """Radiance (3, N) for one roughness () or many (N,), interpolated between the two nearest knots."""
-        radiance = self._varying(roughness) if roughness.dim() else self._even(roughness)
+        if roughness.dim():
+            radiance = self.images[0]
+            for low, high, image in zip(self.knots, self.knots[1:], self.images[1:], strict=False):
+                radiance = torch.lerp(radiance, image, ((roughness - low) / (high - low)).clamp(0.0, 1.0))
+        else:
+            r = float(roughness.detach())
+            i = max(k for k, knot in enumerate(self.knots[:-1]) if knot <= r or k == 0)
+            t = (roughness - self.knots[i]) / (self.knots[i + 1] - self.knots[i])
+            radiance = torch.lerp(self.images[i], self.images[i + 1], t)
         return radiance if self.glow is None else radiance + self.glow.at(roughness)
-
-    def _even(self, roughness: Tensor) -> Tensor:
-        r = float(roughness.detach())
-        i = max(k for k, knot in enumerate(self.knots[:-1]) if knot <= r or k == 0)
-        t = (roughness - self.knots[i]) / (self.knots[i + 1] - self.knots[i])
-        return torch.lerp(self.images[i], self.images[i + 1], t)
-
-    def _varying(self, roughness: Tensor) -> Tensor:
-        result = self.images[0]
-        for low, high, image in zip(self.knots, self.knots[1:], self.images[1:], strict=False):
-            result = torch.lerp(result, image, ((roughness - low) / (high - low)).clamp(0.0, 1.0))
-        return result
 
 
 def single_scattering(
@@ -254,13 +244,9 @@ def summed(lamps: Float[Tensor, "lamps 3"], lobes: Sequence[Float[Tensor, " n"]]
 
 
 def specular(
-    lamps: Float[Tensor, "lamps 3"],
-    highlights: Sequence[AreaSpecular],
-    lobes: Sequence[Float[Tensor, " n"]],
-    curve: Float[Tensor, " 7"],
-    f0: Float[Tensor, "3 f0"],
+    light: IncidentLight, lobes: Sequence[Float[Tensor, " n"]], curve: Float[Tensor, " 7"], f0: Float[Tensor, "3 f0"]
 ) -> Float[Tensor, "3 n"]:
     """Highlights (3, N) with Fresnel mix(f0, 1, curve at the half vector); f0 is (3, 1) or (3, N)."""
-    plain, pairs = summed(lamps, lobes), zip(lobes, highlights, strict=True)
-    bent = summed(lamps, [lobe * (curve @ h.curve).clamp_min(0.0) for lobe, h in pairs])
-    return f0 * plain + (1.0 - f0) * bent
+    pairs = zip(lobes, light.highlights, strict=True)
+    bent = summed(light.lamps, [lobe * (curve @ h.curve).clamp_min(0.0) for lobe, h in pairs])
+    return f0 * summed(light.lamps, lobes) + (1.0 - f0) * bent

@@ -3,14 +3,13 @@
 
 Extinction σ(x) = density · exp(−falloff · max(0, z − base − offset)), gray, inside an axis-aligned box or everywhere.
 
-The rays of a coarse image are cut into segments. In each, a light's irradiance is averaged analytically, so that its
-glow needs no dense samples, and the scattered share is exact: the transmittance lost in the segment. The running sums
-are kept on a grid over image and depth (froxels), which samples look up by their own depth: fog in front of a near
-subject does not mix with fog in front of the background. Cycles, too, scatters once with its default of no volume
-bounces. Vectors are planar, (3, …), as in all shading code.
+The rays of a coarse image are cut into segments. In each, a light's irradiance is averaged analytically, so that its glow needs
+no dense samples, and the scattered share is exact: the transmittance lost in the segment. The running sums are kept on a grid
+over image and depth (froxels), which samples look up by their own depth: fog in front of a near subject does not mix with fog in
+front of the background. Cycles, too, scatters once with its default of no volume bounces. Vectors are planar, (3, …), as in all
+shading code.
 """
 
-import functools
 import math
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
@@ -95,8 +94,13 @@ class FogMedium:
         length = last - first
         if not self._thins:
             return length
-        height = start[2] - self._top
-        return length * self._mean_dilution(height + toward[2] * first, height + toward[2] * last)
+        # The mean of exp(−falloff · max(0, h)) for heights h from a to b.
+        a, b = (start[2] - self._top + toward[2] * end for end in (first, last))
+        rise = b - a
+        level = rise.abs() <= 1e-3 * (a.abs() + b.abs())
+        slope = (self._below(b) - self._below(a)) / torch.where(level, 1.0, rise)
+        dilution = torch.where(level, torch.exp(-self._falloff * ((a + b) / 2).clamp_min(0)), slope)
+        return length * dilution
 
     def _inside(self, start: Tensor, toward: Tensor, distance: Tensor | float) -> tuple[Tensor, Tensor]:
         """The part of the way that is in the fog: distances (…) of its ends, first ≤ last."""
@@ -107,19 +111,11 @@ class FogMedium:
         near, far = torch.zeros_like(limit), limit
         for axis in range(3):
             slope = torch.where(toward[axis].abs() < 1e-9, 1e-9, toward[axis])
-            one = (self._box[0][axis] - start[axis]) / slope
-            two = (self._box[1][axis] - start[axis]) / slope
+            one, two = ((side[axis] - start[axis]) / slope for side in self._box)
             near = torch.maximum(near, torch.minimum(one, two))
             far = torch.minimum(far, torch.maximum(one, two))
         far = far.clamp_min(0)
         return torch.minimum(near, far), far
-
-    def _mean_dilution(self, a: Tensor, b: Tensor) -> Tensor:
-        """Mean of exp(−falloff · max(0, h)) for heights h from `a` to `b`."""
-        rise = b - a
-        level = rise.abs() <= 1e-3 * (a.abs() + b.abs())
-        slope = (self._below(b) - self._below(a)) / torch.where(level, 1.0, rise)
-        return torch.where(level, torch.exp(-self._falloff * ((a + b) / 2).clamp_min(0)), slope)
 
     def _below(self, height: Tensor) -> Tensor:
         """∫ exp(−falloff · max(0, h)) dh up to `height`, from the height where the fog starts to thin."""
@@ -215,7 +211,9 @@ class SingleScattering:
         rays = RaySegments.of(view, COARSE, cuts)
         depth = fog.density * fog.thickness(rays.start[:, None], rays.toward[:, None], cuts)
         passing = torch.exp(-depth)  # (SEGMENTS + 1, rows, columns)
-        light = self._world_light(fog, RaySegments.of(view, COARSE * _WORLD_COARSE, cuts), world)
+        wide = RaySegments.of(view, COARSE * _WORLD_COARSE, cuts)
+        arriving = self._of(fog, wide, "", "world", lambda: self._world_arriving(fog, wide))
+        light = torch.einsum("cd,dsxy->csxy", world.expand(3, len(WEIGHTS)), arriving)
         light = functional.interpolate(light, size=passing.shape[1:], mode="bilinear")
         for lamp in (lamp for lamp in lamps if lamp.shines):
             light = light + self.lamp_light(fog, rays, lamp, lamp.segment_parts)
@@ -225,9 +223,20 @@ class SingleScattering:
 
     def lamp_light(self, fog: FogMedium, rays: RaySegments, lamp: LightSource, parts: int) -> Tensor:
         """In-scattered light (3, S, rows, columns) of one light, for an albedo of 1; each of S segments has some `parts`."""
-        make = functools.partial(self._strength, fog, rays, lamp, parts)
+
+        def per_color() -> Tensor:  # (S, rows, columns)
+            direct = lamp.in_scattering(rays, parts)
+            ways = direct.points, direct.toward, direct.distance
+            strength = direct.irradiance
+            if lamp.light.shadow:
+                signature = rays.signature, lamp.signature()
+                strength = strength * self._shadow(lamp.light.name, signature, ways, lamp.shadowless)
+            strength = strength * fog.transmittance(*ways)
+            strength = strength * phase((direct.toward * rays.toward[:, None]).sum(0), fog.anisotropy)
+            return strength.unflatten(0, (len(rays.cuts) - 1, -1)).mean(1)
+
         key = None if lamp.moving else (lamp.signature(), parts)
-        return self._of(fog, rays, lamp.light.name, key, make) * lamp.color.view(3, 1, 1, 1)
+        return self._of(fog, rays, lamp.light.name, key, per_color) * lamp.color.view(3, 1, 1, 1)
 
     def _of(self, fog: FogMedium, rays: RaySegments, name: str, key: Hashable, make: Callable[[], Tensor]) -> Tensor:
         """A value that depends on fog, rays and a key; made again when they change, or are learned (a key of None)."""
@@ -236,32 +245,14 @@ class SingleScattering:
         cut = tuple(rays.cuts.flatten()[1:2].tolist())  # () where no ray starts: the camera sees no surface
         return self._strengths.of(name, (fog.signature, rays.signature, cut, key), make)
 
-    def _strength(self, fog: FogMedium, rays: RaySegments, lamp: LightSource, parts: int) -> Tensor:
-        """`lamp_light` (S, rows, columns) per unit of the light's color."""
-        direct = lamp.in_scattering(rays, parts)
-        strength = direct.irradiance
-        if lamp.light.shadow:
-            signature = rays.signature, lamp.signature()
-            ways = direct.points, direct.toward, direct.distance
-            strength = strength * self._shadow(lamp.light.name, signature, ways, lamp.shadowless)
-        strength = strength * fog.transmittance(direct.points, direct.toward, direct.distance)
-        strength = strength * phase((direct.toward * rays.toward[:, None]).sum(0), fog.anisotropy)
-        return strength.unflatten(0, (len(rays.cuts) - 1, -1)).mean(1)
-
-    def _world_light(self, fog: FogMedium, rays: RaySegments, world: Tensor) -> Tensor:
-        key = "world", *rays.start.shape
-        arriving = self._of(fog, rays, "", key, lambda: self._world_arriving(fog, rays))
-        return torch.einsum("cd,dsxy->csxy", world.expand(3, len(WEIGHTS)), arriving)
-
     def _world_arriving(self, fog: FogMedium, rays: RaySegments) -> Tensor:
         """Shares (14, S, rows, columns) of the world's radiance from `DIRECTIONS` that are scattered."""
         points = rays.middles[:, None]
         directions = DIRECTIONS.to(points).view(3, -1, 1, 1, 1)  # (3, 14, SEGMENTS, rows, columns)
         everywhere = directions.expand(-1, -1, *points.shape[2:])
         far = torch.full_like(everywhere[0], math.inf)
-        reaching = fog.transmittance(points, directions, far)
         ways = points.expand_as(everywhere), everywhere, far
-        reaching = reaching * self._shadow("", rays.signature, ways)
+        reaching = fog.transmittance(points, directions, far) * self._shadow("", rays.signature, ways)
         cosine = (directions[:, :, 0] * rays.toward[:, None]).sum(0)
         return reaching * phase_shares(cosine, fog.anisotropy)[:, None]
 

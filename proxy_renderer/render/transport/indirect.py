@@ -42,8 +42,8 @@ class IndirectLight:
     open_glossy: Tensor  # (N,) share of the world in the blurred reflection
     open_mirror: Tensor  # (N,) share of the world in the mirror image
     gather_points: Tensor  # (A, 3) irradiance at the gather points
-    # radiance (3, N) of glowing surfaces: their mirror image, then blurred by each of `glow.BLURS`. `glossy`
-    # and `mirror` lack it. Empty if nothing glows.
+    # radiance (3, N) of glowing surfaces: their mirror image, then blurred by each of `glow.BLURS`. `glossy` and `mirror` lack
+    # it. Empty if nothing glows.
     glow: tuple[Tensor, ...] = ()
 
 
@@ -56,8 +56,8 @@ class _PointWeights:
     """
 
     _all: Tensor  # (A, S, M) of what materials scatter of each source
-    _emission: Tensor  # (A, M)
-    _sky: Tensor  # (A, 9)
+    emission: Tensor  # (A, M) of what materials emit
+    sky: Tensor  # (A, 9) of the world's harmonics
     _moved: Mapping[int, Tensor] = field(default_factory=dict)  # source to (A, M), used instead of `_all`
 
     @classmethod
@@ -82,14 +82,6 @@ class _PointWeights:
             there = weights @ table.scattered[source]
             light = light + (there if shares is None else there * shares[:, source, None])
         return light
-
-    def emitted(self, table: RadianceTable) -> Tensor:
-        """Light (A, 3) of surfaces that glow."""
-        return self._emission @ table.emission
-
-    def open_sky(self, table: RadianceTable) -> Tensor:
-        """Light (A, 3) of the world."""
-        return self._sky @ table.sky
 
 
 class FinalGather:
@@ -157,8 +149,7 @@ class FinalGather:
     def light(self, index: int, lamp: LightSource, same_rays: bool) -> None:
         """Traces shadow rays again for a light that has moved; see `SecondaryHits.light`."""
         if self._borrowed:
-            self.diffuse, self.glossy = self.diffuse.aside(), self.glossy.aside()
-            self.mirror = self.mirror.aside()
+            self.diffuse, self.glossy, self.mirror = (h.aside() for h in (self.diffuse, self.glossy, self.mirror))
             self._borrowed = False
         for hits in (self.diffuse, self.glossy, self.mirror):
             hits.light(index, lamp, same_rays)
@@ -166,8 +157,8 @@ class FinalGather:
             rows = index, self._lamps + 2 + index
             wide, narrow = (hits.weights(rows) for hits in (self.diffuse, self.glossy))
             diffuse, blurred = self._weights
-            moved = diffuse.with_lamp(rows, self._smooth(wide))
-            self._weights = moved, blurred.with_lamp(rows, self._smooth_glossy(narrow))
+            moved = diffuse.with_lamp(rows, self._gather_points.smooth(wide) * math.pi)
+            self._weights = moved, blurred.with_lamp(rows, self._gather_points.smooth_glossy(narrow))
 
     def spread_to(self, hits: SecondaryHits) -> SparseWeights:
         """Interpolation of irradiance from the gather points to hits that the image shows, or nearly shows."""
@@ -179,8 +170,8 @@ class FinalGather:
     def gather(self, table: RadianceTable) -> IndirectLight:
         """The indirect light of one render, without fog."""
         wide, narrow = self._weighed()
-        low = (wide.scattered(table) + wide.emitted(table) + wide.open_sky(table)).clamp_min(0.0)
-        glossy, glow = narrow.scattered(table) + narrow.emitted(table), self._glow_at_points(table)
+        low = (wide.scattered(table) + wide.emission @ table.emission + wide.sky @ table.sky).clamp_min(0.0)
+        glossy, glow = narrow.scattered(table) + narrow.emission @ table.emission, self._glow_at_points(table)
         full = self._gather_points.spread(torch.cat((low, glossy, *glow), 1)).T
         mirror = self.mirror.image(self._dark(table), self._mirror_ambient(low).T)
         shown = self._shown_glow(table, full[6:])
@@ -190,11 +181,11 @@ class FinalGather:
         """The indirect light of one render: transmitted by fog, and in-scattered by it."""
         wide, narrow = self._weighed()
         low = wide.scattered(table, indirect_fog.path_transmittance)
-        low = low + wide.emitted(table) * indirect_fog.passing[:, None]
-        low = low + wide.open_sky(table) * indirect_fog.ambient[:, None]
+        low = low + (wide.emission @ table.emission) * indirect_fog.passing[:, None]
+        low = low + (wide.sky @ table.sky) * indirect_fog.ambient[:, None]
         low = low.clamp_min(0.0) + indirect_fog.scattered
         through = indirect_fog.mirrored[:, None]
-        glossy = narrow.scattered(table, indirect_fog.light_transmittance) + narrow.emitted(table)
+        glossy = narrow.scattered(table, indirect_fog.light_transmittance) + narrow.emission @ table.emission
         glossy = glossy * through + indirect_fog.haze * (1 - through)
         opening = self._opening * through
         glow = [light * through for light in self._glow_at_points(table)]
@@ -223,7 +214,8 @@ class FinalGather:
     def _weighed(self) -> tuple[_PointWeights, _PointWeights]:
         """Weights of diffuse light, and of blurred reflections, which do not contain the world."""
         if self._weights is None:
-            wide, narrow = self._smooth(self.diffuse.weights()), self._smooth_glossy(self.glossy.weights())
+            wide = self._gather_points.smooth(self.diffuse.weights()) * math.pi  # irradiance from mean radiance
+            narrow = self._gather_points.smooth_glossy(self.glossy.weights())
             if self._glow is not None:
                 wide[:, -1], narrow[:, -1] = self._gather_points.smooth(self._glow.wide) * math.pi, 0.0
                 # Averaging would blur edges of glow; only the widest lobe is noisy enough to need it.
@@ -232,13 +224,6 @@ class FinalGather:
             sky = self._gather_points.smooth(self.diffuse.harmonics.T) * math.pi
             self._weights = _PointWeights.of(wide, sky), _PointWeights.of(narrow, torch.zeros_like(sky))
         return self._weights
-
-    def _smooth(self, weights: Tensor) -> Tensor:
-        """Weights of irradiance from those of mean radiance (A, n, M), averaged against noise."""
-        return self._gather_points.smooth(weights.flatten(1)).view_as(weights) * math.pi
-
-    def _smooth_glossy(self, weights: Tensor) -> Tensor:
-        return self._gather_points.smooth_glossy(weights.flatten(1)).view_as(weights)
 
     def _glow_at_points(self, table: RadianceTable) -> list[Tensor]:
         """Blurred reflections (A, 3) of what glows at the gather points."""

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fog between surfaces: in-scattered light on them, transmittance of indirect light, haze in reflections.
 
-All of it varies slowly: it is integrated along a few rays from a very coarse grid of points, and interpolated to the
-gather points of indirect light. As on camera rays, light scatters once: Cycles' default of no volume bounces.
+All of it varies slowly: it is integrated along a few rays from a very coarse grid of points, and interpolated to the gather
+points of indirect light. As on camera rays, light scatters once: Cycles' default of no volume bounces.
 """
 
 import math
@@ -60,13 +60,15 @@ class IndirectFogRays:
         place, distance = samples.place[:, gather_points], samples.hits.distance[gather_points]
         self._to_gather_points = coarse.spread_to(surface.pick(gather_points), place, distance)
         mirrored = above(reflect(samples.toward[:, coarse.index], points.normal), points.facet)
-        rays = torch.cat((_diffuse(points), mirrored[:, :, None]), 2)  # (3, P, rays)
-        self._toward = rays
-        self._start = geometry.lifted(points)[:, :, None].expand_as(rays)
+        count = points.position.shape[1]
+        uv = sphere_points(_DIFFUSE_RAYS, count, torch.Generator().manual_seed(5)).to(mirrored.device)
+        normal, facet = (v.repeat_interleave(_DIFFUSE_RAYS, 1) for v in (points.normal, points.facet))
+        diffuse = above(cosine_directions(normal, uv.flatten(1)), facet).view(3, count, _DIFFUSE_RAYS)
+        rays = torch.cat((diffuse, mirrored[:, :, None]), 2)  # (3, P, rays)
+        self._toward, self._start = rays, geometry.lifted(points)[:, :, None].expand_as(rays)
         start, toward = self._start.flatten(1), rays.flatten(1)
         hits = geometry.first_hits(start, toward, "diffuse")
-        self._hit = hits.hit.view(rays.shape[1:])
-        self._distance = hits.distance.view(rays.shape[1:])
+        self._hit, self._distance = (part.view(rays.shape[1:]) for part in (hits.hit, hits.distance))
         self._surface = geometry.surface(hits, toward)
         ways = DIRECTIONS.to(start)[:, :, None].expand(-1, -1, rays.shape[1])
         begin = self._start[:, None, :, 0].expand_as(ways)
@@ -100,15 +102,6 @@ class IndirectFogRays:
         path, light = torch.cat((path, path * again), 1), torch.cat((light, light * again), 1)
         return IndirectFog(ambient, single[:, 1], path, light, scattered, haze, mirrored[:, 0])
 
-    def _ambient(self, fog: FogMedium) -> Tensor:
-        """Transmittance (P,) of the world's light, cosine-weighted."""
-        ways = DIRECTIONS.to(self._start)
-        facing = (ways.T @ self._points.normal).clamp_min(0) * WEIGHTS.to(ways)[:, None]
-        far = torch.full_like(facing, math.inf)
-        reaching = fog.transmittance(self._start[:, None, :, 0], ways[:, :, None], far)
-        facing = facing * (self._open + 1e-3)
-        return (reaching * facing).sum(0) / facing.sum(0)
-
     def _of(self, fog: FogMedium, name: Hashable, make: Callable[[], T], key: Hashable = None) -> T:
         """A value that depends on the fog and a key; made again when they change, or while the fog needs gradients."""
         return make() if fog.signature is None else self._kept.of(name, (fog.signature, key), make)
@@ -118,25 +111,31 @@ class IndirectFogRays:
         passing = fog.transmittance(self._start, self._toward, self._distance)
         diffuse, hit = passing[:, :-1], self._hit[:, :-1].to(passing.dtype)
         kept = (diffuse * hit + 1e-3 * diffuse).sum(1) / (hit + 1e-3).sum(1)
-        return passing, kept, self._ambient(fog)
+        # The world's light is weighted by the cosine.
+        ways = DIRECTIONS.to(self._start)
+        facing = (ways.T @ self._points.normal).clamp_min(0) * WEIGHTS.to(ways)[:, None]
+        far = torch.full_like(facing, math.inf)
+        reaching = fog.transmittance(self._start[:, None, :, 0], ways[:, :, None], far)
+        facing = facing * (self._open + 1e-3)
+        return passing, kept, (reaching * facing).sum(0) / facing.sum(0)
 
     def _lamp_transmittance(
         self, fog: FogMedium, lamp: LightSource, index: int, passing: Tensor
     ) -> tuple[Tensor, Tensor]:
         """Transmittance (P, 1) from a light to the hits of diffuse rays, and from there on, `passing` (P, rays), to the points."""
-        weight = self._irradiance.of(index, lamp.signature(), lambda: self._hit_irradiance(lamp.detached()))
-        position = self._surface.position
-        share = fog.transmittance(position, *lamp.detached().toward(position)).view(self._hit.shape)[:, :-1]
+        still, position = lamp.detached(), self._surface.position
+
+        @torch.no_grad()
+        def weights() -> Tensor:  # irradiance (P, rays) where the rays end; never 0, because its sum is a divisor
+            irradiance = shadowed_irradiance(self._geometry, still, self._surface)
+            irradiance = (irradiance.view(self._hit.shape) * self._hit)[:, :-1]
+            return irradiance + 1e-3 * irradiance.mean() + 1e-12
+
+        weight = self._irradiance.of(index, lamp.signature(), weights)
+        share = fog.transmittance(position, *still.toward(position)).view(self._hit.shape)[:, :-1]
         total = weight.sum(1, keepdim=True)
         light = (weight * share).sum(1, keepdim=True) / total
         return light, (weight * share * passing[:, :-1]).sum(1, keepdim=True) / total
-
-    @torch.no_grad()
-    def _hit_irradiance(self, lamp: LightSource) -> Tensor:
-        """A light's irradiance (P, rays) where the diffuse rays end; never 0, because its sum is a divisor."""
-        irradiance = shadowed_irradiance(self._geometry, lamp, self._surface)
-        irradiance = (irradiance.view(self._hit.shape) * self._hit)[:, :-1]
-        return irradiance + 1e-3 * irradiance.mean() + 1e-12
 
     def _light(self, fog: FogMedium, lamps: Sequence[LightSource], sky: Sky, passing: Tensor) -> Tensor:
         """Radiance (3, P, rays) that the fog sends back along the rays."""
@@ -152,14 +151,11 @@ class IndirectFogRays:
         for lamp in (lamp for lamp in lamps if lamp.shines):
             light = light + self._volume.lamp_light(fog, rays, lamp, 1)
         light = (light * (depth[:-1] - depth[1:])).sum(1)
-        light = light + self._world(fog, sky, passing) * (1 - passing)
-        return light * fog.albedo[:, None, None]
-
-    def _world(self, fog: FogMedium, sky: Sky, passing: Tensor) -> Tensor:
-        """The world's light (3, P, rays) scattered back by endless fog, from the mean depth of scattering."""
+        # The world's light, scattered back by endless fog, from the mean depth of scattering.
         arriving = self._of(fog, "world", lambda: self._world_arriving(fog, passing))
         world = (sky.color[:, None] * sky.soft(DIRECTIONS.to(passing))).expand(3, -1)
-        return torch.einsum("cd,dpr->cpr", world, arriving)
+        light = light + torch.einsum("cd,dpr->cpr", world, arriving) * (1 - passing)
+        return light * fog.albedo[:, None, None]
 
     def _world_arriving(self, fog: FogMedium, passing: Tensor) -> Tensor:
         """Shares (14, P, rays) of the world's radiance from `DIRECTIONS` that are scattered back."""
@@ -171,11 +167,3 @@ class IndirectFogRays:
         far = torch.full((len(ways.T), *passing.shape), math.inf, device=ways.device)
         reaching = fog.transmittance(place[:, None], ways[:, :, None, None], far) * self._open[:, :, None]
         return reaching * phase_shares(torch.einsum("cd,cpr->dpr", ways, self._toward), fog.anisotropy)
-
-
-def _diffuse(points: Surface) -> Tensor:
-    """(3, P, rays) cosine-distributed directions."""
-    count = points.position.shape[1]
-    uv = sphere_points(_DIFFUSE_RAYS, count, torch.Generator().manual_seed(5)).to(points.position.device)
-    normal, facet = (v.repeat_interleave(_DIFFUSE_RAYS, 1) for v in (points.normal, points.facet))
-    return above(cosine_directions(normal, uv.flatten(1)), facet).view(3, count, _DIFFUSE_RAYS)

@@ -23,6 +23,9 @@ from ..lights.environment import harmonics
 from ..lights.light_source import DirectIrradiance, LightSource
 from ..material.inputs import MaterialTextures
 
+_WORLD_AT_SECOND = 0.3  # most of the world that second hits get; less in rooms, which rays rarely leave
+_MOST_WALLS = 8  # surfaces of glass that a ray is followed through; Cycles' default is twelve
+
 
 @dataclass(frozen=True)
 class RadianceTable:
@@ -43,13 +46,8 @@ class RadianceTable:
     ) -> RadianceTable:
         """Builds the table.
 
-        Args:
-            albedo: (M, 3) share of light that each material scatters, or reflects if it is a metal.
-            metallic: (M,) share of each material that is metal.
-            emission: (M, 3) emitted radiance.
-            lamps: (L, 3) colors of the lights.
-            hemispheres: (2, 3) light of the world on what faces up and down.
-            sky: (9, 3) its spherical harmonics.
+        From each material's share (M, 3) of light that it scatters, or reflects if it is a metal, its share (M,) of metal, and its
+        emission (M, 3); colors (L, 3) of the lights, light (2, 3) of the world on what faces up and down, its harmonics (9, 3).
         """
         sources = torch.cat((lamps / math.pi, hemispheres))
         again = albedo * albedo / (1 - albedo / 2)  # third and later bounces follow the second
@@ -104,14 +102,6 @@ class _HitRadiance(torch.autograd.Function):
         return scattered, emission, albedos, ambients, None, None, None
 
 
-_WORLD_AT_SECOND = 0.3  # most of the world that second hits get; less in rooms, which rays rarely leave
-
-
-_Bounce = tuple[int, Tensor, Surface, Tensor]
-"""A row of `SecondaryHits.incoming`, indices of its rays, the surfaces that send them light, and the share of it that counts."""
-_MOST_WALLS = 8  # surfaces of glass that a ray is followed through; Cycles' default is twelve
-
-
 class SecondaryHits:
     """R rays, of a kind in `RAYS`, from each of A points, and the surfaces that they hit.
 
@@ -143,7 +133,7 @@ class SecondaryHits:
         self.geometry, self.count = geometry, count
         hits = geometry.first_hits(origin.repeat_interleave(count, 1), toward, ray)
         self.hit = hits.hit.to(torch.float32)
-        self.surface: Surface = geometry.surface(hits, toward)
+        self.surface = geometry.surface(hits, toward)
         self.distance = hits.distance
         self._relative_base_color = maps.relative_base_color(self.surface, geometry) if maps else None
         self.open = 1 - self.hit.view(-1, count).mean(1)
@@ -180,11 +170,7 @@ class SecondaryHits:
             other._seconds.append((rays[same], surface.pick(same)))
         other._look_around(changed)
         for index, lamp in lamps.items():
-            bounces = []
-            for row, rays, surface, share in other._bounces(index):
-                some = changed[rays].nonzero()[:, 0]
-                bounces.append((row, rays[some], surface.pick(some), share[some]))
-            other._trace(lamp, bounces)
+            other.light(index, lamp, among=changed)
         return other
 
     def _look_around(self, among: Tensor) -> None:
@@ -192,31 +178,27 @@ class SecondaryHits:
         around = self.hit.bool() if self._deep else self.mirror_weight > 0
         chosen = (among & around).nonzero()[:, 0]
         if len(chosen):
-            self._look_from(chosen)
+            # One ray from each: mirrored at metals, cosine-distributed elsewhere.
+            generator = torch.Generator().manual_seed(7)
+            uv = torch.rand((2, len(self.hit)), generator=generator).to(self.hit.device)[:, chosen]
+            start, mirror_weight = self.surface.pick(chosen), self.mirror_weight[chosen]
+            mirrored = reflect(self._toward[:, chosen], start.normal)
+            toward = torch.lerp(cosine_directions(start.normal, uv), mirrored, mirror_weight)
+            toward = above(unit(toward), start.facet)
+            hits = self.geometry.first_hits(self.geometry.lifted(start), toward, "diffuse", chosen)
+            hit_share = hits.hit.to(torch.float32)
+            beyond, leaves = self.geometry.surface(hits, toward), 1 - hit_share
+            facing = torch.where(mirror_weight > 0, torch.where(toward[2] > 0, 1.0, -1.0), start.normal[2])
+            upper, share = (1 + facing) / 2, leaves * self._share[chosen]
+            self.incoming[self.lamps, chosen] = upper * share
+            self.incoming[self.lamps + 1, chosen] = (1 - upper) * share
+            upper = (1 + beyond.normal[2]) / 2
+            self._beyond[:, chosen] = torch.stack((upper * hit_share, (1 - upper) * hit_share, leaves))
+            again = hits.hit.nonzero()[:, 0]
+            self._seconds.append((chosen[again], beyond.pick(again)))
         if bool(around.any()):
             up, down, leaves = self._beyond
             self.incoming[-2:] = torch.stack((up, down)) * leaves[around].mean().clamp_max(_WORLD_AT_SECOND)
-
-    def _look_from(self, chosen: Tensor) -> None:
-        """Traces one ray from each hit with an index in `chosen` (H,): mirrored at metals, cosine-distributed elsewhere."""
-        generator = torch.Generator().manual_seed(7)
-        uv = torch.rand((2, len(self.hit)), generator=generator).to(self.hit.device)[:, chosen]
-        start, mirror_weight = self.surface.pick(chosen), self.mirror_weight[chosen]
-        mirrored = reflect(self._toward[:, chosen], start.normal)
-        toward = torch.lerp(cosine_directions(start.normal, uv), mirrored, mirror_weight)
-        toward = above(unit(toward), start.facet)
-        hits = self.geometry.first_hits(self.geometry.lifted(start), toward, "diffuse", chosen)
-        hit_share = hits.hit.to(torch.float32)
-        beyond = self.geometry.surface(hits, toward)
-        facing = torch.where(mirror_weight > 0, torch.where(toward[2] > 0, 1.0, -1.0), start.normal[2])
-        leaves = 1 - hit_share
-        upper, share = (1 + facing) / 2, leaves * self._share[chosen]
-        self.incoming[self.lamps, chosen] = upper * share
-        self.incoming[self.lamps + 1, chosen] = (1 - upper) * share
-        upper = (1 + beyond.normal[2]) / 2
-        self._beyond[:, chosen] = torch.stack((upper * hit_share, (1 - upper) * hit_share, leaves))
-        again = hits.hit.nonzero()[:, 0]
-        self._seconds.append((chosen[again], beyond.pick(again)))
 
     def aside(self) -> SecondaryHits:
         """A copy in which lights may move while this one stays as it is."""
@@ -224,19 +206,25 @@ class SecondaryHits:
         other.incoming, other._clear = self.incoming.clone(), self._clear.clone()
         return other
 
-    def light(self, index: int, lamp: LightSource, same_rays: bool = False) -> None:
-        """Updates the light of one row at all hits; shadow rays are not traced if they are the `same_rays`, as when only its size has changed."""
-        self._trace(lamp, self._bounces(index), same_rays)
+    def light(self, index: int, lamp: LightSource, same_rays: bool = False, among: Tensor | None = None) -> None:
+        """Updates the light of one row at all hits, or those in `among` (A * R,) bool.
 
-    def _trace(self, lamp: LightSource, bounces: list[_Bounce], same_rays: bool = False) -> None:
-        for row, rays, surface, share in bounces:
+        Shadow rays are not traced if they are the `same_rays`, as when only its size has changed.
+        """
+        for row, rays, surface, share in self._bounces(index):
+            if among is not None:
+                some = among[rays].nonzero()[:, 0]
+                rays, surface, share = rays[some], surface.pick(some), share[some]
             direct = lamp.irradiance(surface.position, surface.normal)
             if not same_rays:
                 self._clear[row, rays] = _clear(self.geometry, lamp, direct, surface) * share
             self.incoming[row, rays] = direct.irradiance * self._clear[row, rays]
 
-    def _bounces(self, index: int) -> list[_Bounce]:
-        """First and second bounces of the light with an index."""
+    def _bounces(self, index: int) -> list[tuple[int, Tensor, Surface, Tensor]]:
+        """First and second bounces of the light with an index.
+
+        Each is a row of `incoming`, indices of its rays, the surfaces that send them light, and the share of it that counts.
+        """
         first = index, self._matte, self._first, 1 - self.mirror_weight[self._matte]
         second = self.lamps + 2 + index
         return [first, *((second, rays, surface, self._share[rays]) for rays, surface in self._seconds)]
@@ -325,7 +313,7 @@ def through(
     """Hits behind a glass of rays (3, N) that enter its surface, followed through at most `_MOST_WALLS` walls; and their last directions (3, N)."""
     direction, _ = refract(toward, surface.normal, 1.0 / ior)
     direction = -above(-direction, surface.facet)
-    origin = _across(geometry, surface)
+    origin = 2 * surface.position - geometry.lifted(surface)  # just behind the surface
     index = torch.arange(toward.shape[1], device=toward.device)
     for _ in range(_MOST_WALLS):
         way, start = direction[:, index], origin[:, index]
@@ -340,13 +328,9 @@ def through(
         bent = torch.where(leaving, bent, entered)
         total = total & leaving
         bent = torch.where(total, above(bent, wall.facet), -above(-bent, wall.facet))
-        goes_on = torch.where(total, geometry.lifted(wall), _across(geometry, wall))
-        index, bent, goes_on = index[met], bent[:, met], goes_on[:, met]
-        direction = direction.index_copy(1, index, bent)
-        origin = origin.index_copy(1, index, goes_on)
+        before = geometry.lifted(wall)
+        goes_on = torch.where(total, before, 2 * wall.position - before)
+        index = index[met]
+        direction = direction.index_copy(1, index, bent[:, met])
+        origin = origin.index_copy(1, index, goes_on[:, met])
     return SecondaryHits(geometry, origin, direction, 1, metals, lamps, "transmission", maps), direction
-
-
-def _across(geometry: RayGeometry, surface: Surface) -> Tensor:
-    """Origins (3, N) just behind a surface."""
-    return 2 * surface.position - geometry.lifted(surface)
