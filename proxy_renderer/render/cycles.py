@@ -62,12 +62,14 @@ class Correction:
 
     view: View  # the camera of the anchor
     guide: Tensor  # (H, W) int64 number of the object and material that a pixel shows; -1 for none
-    colors: Mapping[str, Tensor]  # owner to s_g(θ₀), (3,)
+    colors: Mapping[str, Tensor]  # owner, as "light/NAME" or "world", to s_g(θ₀), (3,)
     values: Mapping[str, Tensor]  # θ₀
     dark: float  # radiance below which pixels count as equally dark
     stops: Tensor  # (P,) brightness of the proxy's image at θ₀, in stops
+    parts: Mapping[str, Tensor]  # owner to the proxy's own image (3, P) of its light at θ₀
+    rest: Tensor  # (3, P) the proxy's light at θ₀ that belongs to no owner: of glowing surfaces
     fields: Tensor  # (3 (2 + G), P): c, the least share of P that must remain, and the owners' residuals
-    owners: tuple[str, ...]  # the G owners, `REST` among them
+    owners: tuple[str, ...]  # the G owners that Cycles' image has parts of, `REST` among them
     _kept: tuple[ViewCache, Tensor] | None = field(default=None, repr=False)
 
     @staticmethod
@@ -103,8 +105,9 @@ class Correction:
         fields = torch.cat((ratio, least, residuals.flatten(0, 1)))
         values = {key: value.detach() for key, value in values.items()}
         dark = 1e-6 + _DARK * float(whole.mean())
-        kept = view.detached(), guide, colors, values, dark, _stops(whole, dark)
-        return Correction(*kept, fields, (*known_owners, REST))
+        kept = view.detached(), guide, colors, values, dark, _stops(whole, dark), parts
+        rest = whole - sum(parts.values(), torch.zeros_like(whole))
+        return Correction(*kept, rest, fields, (*known_owners, REST))
 
     def fits(self, view: View) -> bool:
         """True if a view's pixels are those of the anchor."""
@@ -145,6 +148,29 @@ class Correction:
                 names = _names(samples.hits, geometry)
                 self._kept = cache, look_up(self.fields, self.guide, place, names, neutral, bright)
         return self.pixels(radiance, colors, self._kept[1])
+
+    def has_layers_for(self, values: Mapping[str, Tensor], scene: SceneData) -> bool:
+        """True if other values differ from θ₀ only in powers and colors of lights, or in values of the film."""
+        for key in values.keys() | self.values.keys():
+            if not key.startswith("film/") and not is_of_light(key, scene):
+                own = torch.tensor(scene.value(key), dtype=torch.float32)
+                one, other = (each.get(key, own).detach().reshape(-1).cpu().float() for each in (values, self.values))
+                if not torch.equal(one, other):
+                    return False
+        return True
+
+    def layered(self, colors: Mapping[str, Tensor]) -> Tensor | None:
+        """The proxy's image (3, P) at other colors (3,) of the owners, as a weighted sum of its parts at θ₀.
+
+        None if a light was off, or has grown too much for its part.
+        """
+        whole = self.rest
+        for owner, part in self.parts.items():
+            growth, off = _grown(self.colors[owner], colors[owner])
+            if bool((growth > _LAYER_BRIGHTER).any()) or bool((off & (colors[owner] > _OFF)).any()):
+                return None
+            whole = whole + part * growth[:, None]
+        return whole
 
 
 def _grown(before: Tensor, now: Tensor) -> tuple[Tensor, Tensor]:
@@ -246,37 +272,6 @@ def look_up(
         weights += weight.sum(0)
     covered = weights > _LEAST_WEIGHT
     return torch.where(covered, total.T / torch.where(covered, weights, 1.0), neutral[:, None])
-
-
-@dataclass(frozen=True)
-class AnchorLayers:
-    """The proxy's own image at the anchor's values, split by the owners of its light."""
-
-    values: Mapping[str, Tensor]  # key to (components,); missing ones are the scene's
-    colors: Mapping[str, Tensor]  # owner, as "light/NAME" or "world", to the color (3,) of its light
-    parts: Mapping[str, Tensor]  # the same owners to their light (3, P)
-    rest: Tensor  # (3, P) light that belongs to no owner: of glowing surfaces
-
-    def serve(self, values: Mapping[str, Tensor], scene: SceneData) -> bool:
-        """True if other values differ from these only in powers and colors of lights, or in values of the film."""
-        for key in values.keys() | self.values.keys():
-            if not key.startswith("film/") and not is_of_light(key, scene):
-                own = torch.tensor(scene.value(key), dtype=torch.float32)
-                one, other = (each.get(key, own).detach().reshape(-1).cpu().float() for each in (values, self.values))
-                if not torch.equal(one, other):
-                    return False
-        return True
-
-    def picture(self, colors: Mapping[str, Tensor]) -> Tensor | None:
-        """The image (3, P) at other colors (3,) of the owners; None if a light was off, or has grown too much for its layer."""
-        whole = self.rest
-        for owner, part in self.parts.items():
-            before, now = self.colors[owner], colors[owner]
-            growth, off = _grown(before, now)
-            if bool((growth > _LAYER_BRIGHTER).any()) or bool((off & (now > _OFF)).any()):
-                return None
-            whole = whole + part * growth[:, None]
-        return whole
 
 
 def is_of_light(key: str, scene: SceneData) -> bool:

@@ -5,16 +5,15 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import torch
 from torch import Tensor
 from torch.nn import functional
 
-from ..scene import Material, SceneData
+from ..scene import SceneData
 from ..scene.values import Remembered, RenderValues, needs_gradient
 from ..schema import FAMILIES, VibeError
-from .cycles import AnchorLayers, Correction, CyclesPicture
+from .cycles import Correction, CyclesPicture
 from .film import Film
 from .geometry.camera import View, view_of
 from .lights.emitters import Emitters
@@ -71,11 +70,13 @@ class Proxy:
         self.environment = Environment(scene, self.device)
         self.film = Film(scene.film, size, device)
         self.volume = SingleScattering(self.geometry.clear)
+        # A typical distance of what is seen, meters.
+        self._near = float(scene.references.get("view_distance", self.geometry.size))
         self.emitters = Emitters(self.geometry, self._near)
         self.correction: Correction | None = None
         self._cache: ViewCache | None = None
         self._made = Remembered()
-        self._layers: tuple[Correction, AnchorLayers, LatentImage] | None = None  # of the last anchor
+        self._anchored: tuple[Correction, LatentImage] | None = None  # the last anchor
         self._undeveloped: tuple[LatentImage, Mapping[str, Tensor], Correction | None] | None = None
 
     def render(self, values: Mapping[str, Tensor]) -> Render:
@@ -118,7 +119,9 @@ class Proxy:
         # If the anchor had another camera, the correction is looked up per sample, so that outlines stay smooth.
         fits = self.correction is not None and self.correction.fits(frame.view)
         if self.correction and not fits:
-            current = frame.owners, frame.view, frame.cache, lambda: self._before(values, frame.cache)
+            others = {k: v for k, v in self.correction.values.items() if not k.startswith("camera/")}
+            there = {**others, **{k: v.detach() for k, v in values.items() if k.startswith("camera/")}}
+            current = frame.owners, frame.view, frame.cache, lambda: self._light(self._frame(there, frame.cache))[0][:3]
             corrected = self.correction.samples(radiance[:3], *current)
             radiance = torch.cat((corrected, radiance[3:]))
         picture, mask = _resolve(frame, radiance)
@@ -135,17 +138,15 @@ class Proxy:
             frame = self._frame(values)
             light, passing = self._through_fog(frame) if frame.fog.active else (0.0, None)
             clear = _transmittance(frame, passing)
-            gray = self._gray(frame) * (1.0 if passing is None else passing) + light
+            # Radiance (3, N) if every surface were diffuse with an albedo of 0.5; black where the world is seen.
+            direct_lights, table = surfaces.direct_lights_of(frame), surfaces.table_of(frame)
+            received = surfaces.irradiance(frame, direct_lights, self._gather(frame, table)) / (2 * math.pi)
+            gray = functional.pad(received, (0, frame.cache.samples.place.shape[1] - received.shape[1]))
+            gray = gray * (1.0 if passing is None else passing) + light
             linear = _resolve(frame, gray)[0].view(3, *clear.shape).permute(1, 2, 0)
             latent = LatentImage(linear=linear, mask=clear, depth=clear, transmittance=clear)
             shown = self.develop(latent, values)
             return frame.cache.gbuffer(frame.view, clear, shown.display)
-
-    def _gray(self, frame: RenderState) -> Tensor:
-        """Radiance (3, N) of all samples if every surface were diffuse with an albedo of 0.5; black where the world is seen."""
-        direct_lights, table = surfaces.direct_lights_of(frame), surfaces.table_of(frame)
-        light = surfaces.irradiance(frame, direct_lights, self._gather(frame, table)) / (2 * math.pi)
-        return functional.pad(light, (0, frame.cache.samples.place.shape[1] - light.shape[1]))
 
     def anchor(self, values: Mapping[str, Tensor], picture: CyclesPicture) -> Correction:
         """Makes Cycles' image of these values correct all further renders; raises VibeError if its size is not the proxy's."""
@@ -158,41 +159,36 @@ class Proxy:
             emission = self._picture(frame.only(""))
             parts = {owner: self._picture(frame.only(owner)) - emission for owner in colors}
             self.correction = Correction.of(picture, whole, parts, colors, values, frame.view, frame.cache)
-            rest = whole - sum(parts.values(), torch.zeros_like(whole))
-            layers = AnchorLayers(dict(values), colors, parts, rest)
-            self._layers = None  # the next line renders the anchor's own image without layers
-            self._layers = self.correction, layers, self.expose(values, frame.cache)
+            self._anchored = None  # the next line renders the anchor's own image without layers
+            self._anchored = self.correction, self.expose(values, frame.cache)
         return self.correction
 
     def layered(self, values: Mapping[str, Tensor]) -> LatentImage | None:
         """The latent image as a sum of the anchor's layers; None if values need gradients, or more than light and film differ."""
-        if self._layers is None or needs_gradient(*values.values()):
+        if self._anchored is None or needs_gradient(*values.values()):
             return None
-        correction, layers, anchor = self._layers
-        if correction is not self.correction or not layers.serve(values, self.scene):
+        correction, anchor = self._anchored
+        if correction is not self.correction or not correction.has_layers_for(values, self.scene):
             return None
         settings = RenderValues(self.scene, values, self.device)
         sky = sky_of(self.environment, settings)
         lamps = light_sources(self.scene, settings, self._made) + sky.lamps
         colors = surfaces.colors_by_owner(lamps, sky)
-        picture = layers.picture(colors)
+        picture = correction.layered(colors)
         if picture is None:
             return None
         linear = correction.pixels(picture, colors).view(-1, *self.size[::-1]).permute(1, 2, 0)
         return replace(anchor, linear=linear)
 
-    def _before(self, values: Mapping[str, Tensor], cache: ViewCache) -> Tensor:
-        """Radiance (3, N) at the samples of the current camera, with all other values as at the anchor."""
-        assert self.correction is not None
-        others = {k: v for k, v in self.correction.values.items() if not k.startswith("camera/")}
-        camera = {k: v.detach() for k, v in values.items() if k.startswith("camera/")}
-        return self._light(self._frame({**others, **camera}, cache))[0][:3]
-
     def _frame(self, values: Mapping[str, Tensor], cache: ViewCache | None = None) -> RenderState:
         """The state of a render at these values; with the traced view of another render if `cache` is given."""
         settings = RenderValues(self.scene, values, self.device)
         view = view_of(self.scene, settings, self.size)
-        shading_inputs = [self._inputs(m, settings) for m in self.scene.materials]
+        shading_inputs = []
+        for material in self.scene.materials:
+            # Unless `fine`, which is for large images, they keep terms computed from them for the next render.
+            made = partial(shading_inputs_of, material, settings, None if self.fine else {})
+            shading_inputs.append(self._made.of(f"material/{material.name}", settings, made))
         if cache is None:
             # The traced view is dropped if a glass has changed, or a surface glows for the first time.
             glass = torch.stack([surfaces.glass_transmittance(p) for p in shading_inputs])
@@ -206,12 +202,6 @@ class Proxy:
         cache = cache or self._cache_of(view, shading_inputs, lamps)
         fog = FogMedium(self.scene, settings)
         return RenderState(view, cache, cache.view_samples(view), lamps, sky, shading_inputs, fog)
-
-    def _inputs(self, material: Material, settings: RenderValues) -> ShadingInputs:
-        """The shading inputs of a material. Unless `fine`, which is for large images, they keep terms computed from them for the next render."""
-        kept: dict[str, Any] | None = None if self.fine else {}
-        made = partial(shading_inputs_of, material, settings, kept)
-        return self._made.of(f"material/{material.name}", settings, made)
 
     def _cache_of(self, view: View, shading_inputs: list[ShadingInputs], lamps: list[LightSource]) -> ViewCache:
         """The traced view, traced again if the view has changed or a light of a cluster begins to move.
@@ -250,11 +240,6 @@ class Proxy:
         if len(radiance) > 3:
             veiled = torch.cat((veiled, 1 - passing * (1 - radiance[3:])))
         return veiled, passing
-
-    @property
-    def _near(self) -> float:
-        """A typical distance of what is seen, meters."""
-        return float(self.scene.references.get("view_distance", self.geometry.size))
 
     def _gather(self, frame: RenderState, table: RadianceTable) -> IndirectLight:
         if not frame.fog.active:

@@ -23,21 +23,15 @@ class RenderValues:
 
     def color(self, key: str, default: float = 0.0) -> Tensor:
         """A color's components (3,), float32 on the device; three times the default if the scene has no such parameter."""
-        if key in self.given:
-            return self._read(key)
-        value = self.scene.value(key, (default,) * 3)
-        return torch.tensor(value, dtype=torch.float32, device=self.device)
-
-    def _read(self, key: str) -> Tensor:
-        """The caller's value (C,); without gradients a copy, which later changes of the caller's tensor do not reach."""
+        if key not in self.given:
+            return torch.tensor(self.scene.value(key, (default,) * 3), dtype=torch.float32, device=self.device)
+        # Without gradients a copy, which later changes of the caller's tensor do not reach.
         value = self.given[key].to(self.device, torch.float32).reshape(-1)
         return value if needs_gradient(value) else value.detach().clone()
 
     def scalar(self, key: str, default: float = 0.0) -> Tensor:
         """A parameter of one component: () float32 on the device."""
-        if key in self.given:
-            return self._read(key)[0]
-        return torch.tensor(self.scene.value(key, default)[0], dtype=torch.float32, device=self.device)
+        return self.color(key, default)[0]
 
     @cached_property
     def by_owner(self) -> dict[str, dict[str, Tensor]]:

@@ -41,7 +41,7 @@ def floor(place: float) -> tuple[Surface, torch.Tensor]:
 def searched(name: str) -> tuple[GlowShares, RayGeometry, LobeRays]:
     geometry = geometry_of(scene_with(PANELS[name]), CPU)
     lobes, turn = LobeRays.of(*floor(0.0)), torch.arange(COPIES)
-    glow = glow_of(geometry, lobes, turn, turn, (0,), (), 2, torch.Generator().manual_seed(0))
+    glow = glow_of(geometry, lobes, turn, turn, {0: ()}, 2, torch.Generator().manual_seed(0))
     return glow, geometry, lobes
 
 

@@ -50,37 +50,30 @@ EmitterCluster = tuple[EmitterLight, float]  # light of color 1; its power if th
 
 
 class Emitters:
-    """Lights that stand for small bright surfaces, and stay when the emission fades; `near` is a typical distance of what is seen, meters."""
+    """Lights that stand for small bright surfaces, and stay when the emission fades; `near` is a typical distance of what is seen, meters.
+
+    `clusters` has those of every material, by index, that glows or has glowed; none where no lights stand for its surface.
+    """
 
     def __init__(self, geometry: RayGeometry, near: float) -> None:
         self._geometry, self._near = geometry, near
-        self._clusters: dict[int, list[EmitterCluster]] = {}
-
-    @property
-    def materials(self) -> tuple[int, ...]:
-        """Indices of the materials whose emission lights stand for."""
-        return tuple(m for m, clusters in self._clusters.items() if clusters)
-
-    @property
-    def glowing(self) -> tuple[int, ...]:
-        """Indices of all materials that glow, or have glowed."""
-        return tuple(self._clusters)
+        self.clusters: dict[int, list[EmitterCluster]] = {}
 
     def notice(self, shading_inputs: Sequence[ShadingInputs]) -> bool:
         """Makes lights of materials that glow for the first time; returns whether there are new ones."""
-        others = [m for m in range(len(shading_inputs)) if m not in self._clusters]
+        others = [m for m in range(len(shading_inputs)) if m not in self.clusters]
         new = {m for m in others if float(luminance(shading_inputs[m].emission.detach())) > _LEAST}
         self._geometry.set_apart(new)
         for material in sorted(new):
             with torch.no_grad():
-                self._clusters[material] = clusters_of(self._geometry, material, self._near)
+                self.clusters[material] = clusters_of(self._geometry, material, self._near)
         return bool(new)
 
     def lamps(self, shading_inputs: Sequence[ShadingInputs]) -> list[EmitterLight]:
         """All clusters as lights, differentiable in emission."""
         return [
             replace(lamp, color=shading_inputs[material].emission * power)
-            for material, clusters in self._clusters.items()
+            for material, clusters in self.clusters.items()
             for lamp, power in clusters
         ]
 

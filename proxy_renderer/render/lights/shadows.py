@@ -10,9 +10,11 @@ light.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import torch
 from torch import Tensor
@@ -146,45 +148,38 @@ class ShadowFilter:
         grid = torch.zeros((4, width * height), device=fields.device)
         grid[:, self._inside] = fields[:, chosen]
         self._grid = grid.view(4, height, width)
-        self._same: dict[tuple[int, int], Tensor] = {}
-        self._weight: dict[int, Tensor] = {}
+        self._neighbors: dict[int, tuple[list[tuple[Any, Any, Tensor]], Tensor]] = {}  # by radius, see `_alike`
 
     def __call__(self, visible: Tensor, radius: int) -> Tensor:
         """The shares `visible` (N,), averaged over `radius` pixels to each side; samples of edges stay as they are."""
         value = torch.zeros(self._inside.shape, device=visible.device)
         value[self._inside] = visible[self._chosen]
         value = value.view(self._size)
+        if radius not in self._neighbors:
+            self._neighbors[radius] = self._alike(radius)
+        neighbors, weight = self._neighbors[radius]
         total = value.clone()
-        for step in _steps(radius):
-            to, of = self._shifted(*step)
-            total[to] += value[of] * self._alike(*step)
-        if radius not in self._weight:  # how many pixels (H, W) are averaged
-            weight = self._weight[radius] = torch.ones(self._size, device=self._grid.device)
-            for step in _steps(radius):
-                weight[self._shifted(*step)[0]] += self._alike(*step)
+        for to, of, alike in neighbors:
+            total[to] += value[of] * alike
         smooth = visible.clone()
-        smooth[self._plain] = (total / self._weight[radius]).flatten()[self._plain_pixel]
+        smooth[self._plain] = (total / weight).flatten()[self._plain_pixel]
         return smooth
 
-    def _alike(self, dy: int, dx: int) -> Tensor:
-        """(h, w) bool: pixels on the same smooth surface as their neighbor at an offset; only pixels that have one."""
-        if (dy, dx) not in self._same:
-            to, of = self._shifted(dy, dx)
-            normal, depth = self._grid[:3], self._grid[3]
-            alike = dot(normal[:, to[0], to[1]], normal[:, of[0], of[1]]) > 0.95
-            most = 8.0 * math.hypot(dx, dy) / max(self._size)
-            self._same[dy, dx] = alike & ((depth[to] - depth[of]).abs() < depth[to] * most)
-        return self._same[dy, dx]
+    def _alike(self, radius: int) -> tuple[list[tuple[Any, Any, Tensor]], Tensor]:
+        """Neighbors on the same smooth surface, and how many pixels (H, W) are averaged.
 
-    def _shifted(self, dy: int, dx: int) -> tuple[tuple[slice, slice], tuple[slice, slice]]:
-        """The pixels that have a neighbor at an offset, and these neighbors."""
-        (rows, of_rows), (columns, of_columns) = map(overlap, (dy, dx), self._size)
-        return (rows, columns), (of_rows, of_columns)
-
-
-def _steps(radius: int) -> list[tuple[int, int]]:
-    side = range(-radius, radius + 1)
-    return [(dy, dx) for dy in side for dx in side if dx or dy]
+        For each offset: the pixels that have a neighbor there and these neighbors, as slices, and (h, w) bool.
+        """
+        neighbors, weight = [], torch.ones(self._size, device=self._grid.device)
+        for dy, dx in itertools.product(range(-radius, radius + 1), repeat=2):
+            if dy or dx:
+                to, of = zip(*map(overlap, (dy, dx), self._size), strict=True)
+                there, other = self._grid[:, *to], self._grid[:, *of]
+                most = 8.0 * math.hypot(dx, dy) / max(self._size)
+                alike = (dot(there[:3], other[:3]) > 0.95) & ((there[3] - other[3]).abs() < there[3] * most)
+                weight[to] += alike
+                neighbors.append((to, of, alike))
+        return neighbors, weight
 
 
 def cluster_shadow(

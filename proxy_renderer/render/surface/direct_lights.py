@@ -162,22 +162,20 @@ class DirectLight:
 
     def through(self, fog: FogMedium) -> DirectLight:
         """The direct light dimmed by the fog between light and samples; the same fog gives the same object, because it caches lobes."""
-        if fog.signature is None:
-            return self._through(fog)
-        return self._fogged.of("", fog.signature, lambda: self._through(fog))
 
-    def _through(self, fog: FogMedium) -> DirectLight:
-        passing = self.paths.transmittance(fog)
-        specular = self.area_specular and self.area_specular.times(passing)
-        return DirectLight(self.irradiance * passing, specular, self.paths)
+        def dimmed() -> DirectLight:
+            passing = self.paths.transmittance(fog)
+            specular = self.area_specular and self.area_specular.times(passing)
+            return DirectLight(self.irradiance * passing, specular, self.paths)
+
+        return dimmed() if fog.signature is None else self._fogged.of("", fog.signature, dimmed)
 
     @staticmethod
     def of(lamp: LightSource, view_samples: ViewSamples, direct: DirectIrradiance, visible: Tensor) -> DirectLight:
         """From unshadowed irradiance and the visible share (N,) of the light."""
-        point, normal = view_samples.surface.position, view_samples.surface.normal
-        specular = None
+        surface, specular = view_samples.surface, None
         if not lamp.pictured:
-            lit = visible * lamp.reaches("glossy")
-            specular = area_specular(lamp, direct, point, normal, view_samples.toward_eye).times(lit)
-        paths = LightPaths(point, direct.toward, direct.distance)
+            unshadowed = area_specular(lamp, direct, surface.position, surface.normal, view_samples.toward_eye)
+            specular = unshadowed.times(visible * lamp.reaches("glossy"))
+        paths = LightPaths(surface.position, direct.toward, direct.distance)
         return DirectLight(direct.irradiance * visible * lamp.reaches("diffuse"), specular, paths)

@@ -247,6 +247,6 @@ def specular(
     light: IncidentLight, lobes: Sequence[Float[Tensor, " n"]], curve: Float[Tensor, " 7"], f0: Float[Tensor, "3 f0"]
 ) -> Float[Tensor, "3 n"]:
     """Highlights (3, N) with Fresnel mix(f0, 1, curve at the half vector); f0 is (3, 1) or (3, N)."""
-    pairs = zip(lobes, light.highlights, strict=True)
+    plain, pairs = summed(light.lamps, lobes), zip(lobes, light.highlights, strict=True)
     bent = summed(light.lamps, [lobe * (curve @ h.curve).clamp_min(0.0) for lobe, h in pairs])
-    return f0 * summed(light.lamps, lobes) + (1.0 - f0) * bent
+    return f0 * plain + (1.0 - f0) * bent

@@ -135,14 +135,19 @@ def table_of(frame: RenderState) -> RadianceTable:
     """The radiance of all that secondary rays can meet."""
     rows = zip(frame.shading_inputs, frame.cache.mean_texture, strict=True)
     bounces = min(frame.cache.scene.bounces, 1)
-    albedos = torch.stack([p.base * mean * (1 - p.transmission) * bounces for p, mean in rows])
-    emission = torch.stack([p.emission for p in frame.shading_inputs])
-    sky = frame.sky
+    colors = torch.stack([p.base * mean * (1 - p.transmission) * bounces for p, mean in rows])
+    albedos, sky = within(colors, 0.0, 1.0), frame.sky
     lit = [s.color * s.reaches("diffuse") for s in frame.sources]
-    colors = torch.stack(lit) if lit else frame.colors
-    metallic = torch.stack([p.metallic for p in frame.shading_inputs])
-    albedos = within(albedos, 0.0, 1.0)
-    return RadianceTable.of(albedos, metallic, emission, colors, sky.hemispheres, sky.coefficients())
+    lamps = torch.stack(lit) if lit else frame.colors
+    sources = torch.cat((lamps / math.pi, sky.hemispheres))[:, None]
+    again = albedos * albedos / (1 - albedos / 2)  # third and later bounces follow the second
+    # A metal mirrors surfaces of other colors: at the second bounce, the mean color of non-metals.
+    metallic = torch.stack([p.metallic for p in frame.shading_inputs])[:, None]
+    plain = (1 - metallic) + 1e-6
+    common = (albedos * plain).sum(0) / plain.sum(0)
+    again = torch.lerp(again, albedos * common / (1 - common / 2), metallic)
+    emission = torch.stack([p.emission for p in frame.shading_inputs])
+    return RadianceTable(torch.cat((sources * albedos, sources * again)), emission, sky.coefficients(), albedos)
 
 
 def _behind(frame: RenderState, table: RadianceTable, gathered: IndirectLight, material: int, part: slice) -> Tensor:
@@ -151,9 +156,9 @@ def _behind(frame: RenderState, table: RadianceTable, gathered: IndirectLight, m
     here = float(ior.detach())
 
     def picture_at(side: int) -> Tensor:
-        behind = frame.cache.behind(material, side, part, max(here + side * _BENT, 1.0), frame.sources)
-        world = frame.sky.seen(behind.toward) * (frame.sky.color * frame.sky.reaches("transmission"))[:, None]
-        return behind.hits.image(table, behind.ambient(gathered.gather_points).T) + world * behind.hits.open
+        hits, ambient = frame.cache.behind(material, side, part, max(here + side * _BENT, 1.0), frame.sources)
+        world = frame.sky.seen(hits.toward) * (frame.sky.color * frame.sky.reaches("transmission"))[:, None]
+        return hits.image(table, ambient(gathered.gather_points).T) + world * hits.open
 
     straight = picture_at(0)
     if not needs_gradient(ior):

@@ -48,18 +48,9 @@ class GBuffer:
     pattern: Tensor  # (H, W) luminance of textured base colors relative to their material's mean; else 1
     # names of materials of the surroundings; the subject may have them too, but words for it do not paint them
     surrounding: tuple[str, ...] = ()
-    # (H, W, 3) display image with gray surfaces in place of all that is seen: its colors are those of the light;
-    # black for the world; None if not rendered
+    # (H, W, 3) display image with gray surfaces in place of all that is seen: its colors are those of the light; black for the
+    # world; None if not rendered
     gray: Tensor | None = None
-
-
-@dataclass(frozen=True)
-class RefractedHits:
-    """Hits of N rays through a transparent material."""
-
-    hits: SecondaryHits  # where the rays end
-    toward: Tensor  # (3, N) their final directions
-    ambient: SparseWeights  # interpolates irradiance from the gather points to the hits
 
 
 class ViewCache:
@@ -118,7 +109,7 @@ class ViewCache:
         self._varying: dict[int, dict[str, Tensor]] = {}
         self._bounced: dict[int, LightSource] = {}
         self._indirect_fog: IndirectFogRays | None = None
-        self._through: dict[tuple[int, int], tuple[float, Any, RefractedHits]] = {}
+        self._through: dict[tuple[int, int], tuple[float, Any, SecondaryHits, SparseWeights]] = {}
         self._worlds = Recent()
 
     def aside(self) -> Self:
@@ -130,9 +121,8 @@ class ViewCache:
 
     def with_mirrors(self, metals: Tensor) -> Self:
         """A copy with other mirror weights (M,), in which only what mirrors show is traced again."""
-        other = copy(self)
+        other = self.aside()
         other.metals, other._through = metals, {}
-        other._direct, other._bounced = self._direct.aside(), dict(self._bounced)
         with torch.no_grad():
             other.indirect = self.indirect.with_mirrors(metals, self._bounced)
         return other
@@ -174,16 +164,6 @@ class ViewCache:
             self._varying[material] = found
         return found
 
-    def pattern(self) -> Tensor:
-        """(H, W) luminance of textured base colors relative to their mean over the samples; 1 where there is no texture."""
-        relative = torch.ones_like(self.inside)
-        for material, start, stop in self.samples.slices:
-            color = self.textured_inputs(material, slice(start, stop), self._view_samples).get("base_color")
-            if color is not None:
-                light = luminance(color.detach().T)[:, 0]
-                relative[0, start:stop] = light / light.mean().clamp_min(1e-3)
-        return self.samples.resolve(relative).view(self.depth.shape)
-
     @torch.no_grad()
     def gbuffer(self, view: View, transmittance: Tensor, gray: Tensor) -> GBuffer:
         """The G-buffer of a view, with the fog's `transmittance` (H, W) and the `gray` image (H, W, 3)."""
@@ -191,13 +171,19 @@ class ViewCache:
         _, toward = still.rays(pixel_centers(view.size).to(self.geometry.device))
         surface = self.geometry.surface(hits, toward)
         normal = torch.where(hits.hit, still.rotation.T @ surface.normal, 0.0)
+        pattern = torch.ones_like(self.inside)
+        for material, start, stop in self.samples.slices:
+            color = self.textured_inputs(material, slice(start, stop), self._view_samples).get("base_color")
+            if color is not None:
+                light = luminance(color.detach().T)[:, 0]
+                pattern[0, start:stop] = light / light.mean().clamp_min(1e-3)
         return GBuffer(
             subject=self.mask,
             material=torch.where(hits.hit, surface.material, -1).view(self.depth.shape),
             materials=tuple(m.name for m in self.scene.materials),
             normal=normal.T.reshape(*self.depth.shape, 3),
             transmittance=transmittance,
-            pattern=self.pattern(),
+            pattern=self.samples.resolve(pattern).view(self.depth.shape),
             gray=gray,
             surrounding=tuple(m.name for m in self.scene.materials if m.role != "subject"),
         )
@@ -209,26 +195,27 @@ class ViewCache:
         row, moved = self.clusters.row[index], self._direct.forget_moved(index, lamps)
         first = index == self.clusters.clusters[row].members[0]
         if first and (moved or row not in self._bounced):
-            self._bounce(row, lamps[index])
+            # Bounced light is traced again after a jump of a light, but not after each small step of a gradient loop.
+            lamp, last = lamps[index], self._bounced.get(row)
+            place, small = torch.tensor(lamp.signature()), False
+            if lamp.moving and last is not None:
+                step = (place - torch.tensor(last.signature())).abs().amax()
+                small = bool(step < place.abs().amax() * _SMALL_STEP)
+            if not small:
+                self._bounced[row] = lamp.detached()
+                # If only its size has changed, the rays to its center are the same.
+                same_rays = last is not None and lamp.position.equal(last.position) and lamp.axes.equal(last.axes)
+                with torch.no_grad():
+                    self.indirect.light(row, self._bounced[row], same_rays)
         return self._direct.of(index, lamps, view_samples, view)
 
-    def _bounce(self, index: int, lamp: LightSource) -> None:
-        """Traces bounced light again after a jump of a light, but not after each small step of a gradient loop."""
-        place, last = torch.tensor(lamp.signature()), self._bounced.get(index)
-        if lamp.moving and last is not None:
-            step = (place - torch.tensor(last.signature())).abs().amax()
-            if bool(step < place.abs().amax() * _SMALL_STEP):
-                return
-        self._bounced[index] = lamp.detached()
-        with torch.no_grad():
-            # If only its size has changed, the rays to its center are the same.
-            same_rays = last is not None and lamp.position.equal(last.position) and lamp.axes.equal(last.axes)
-            self.indirect.light(index, self._bounced[index], same_rays)
-
-    def behind(self, material: int, side: int, part: slice, ior: float, lamps: Sequence[LightSource]) -> RefractedHits:
+    def behind(
+        self, material: int, side: int, part: slice, ior: float, lamps: Sequence[LightSource]
+    ) -> tuple[SecondaryHits, SparseWeights]:
         """Hits of rays through a material's samples `part`, refracted by an IOR; kept by material and side.
 
-        `side` is 0 for the material's own IOR, -1 and 1 for those next to it. `lamps` has one light for each cluster.
+        Also the interpolation of irradiance from the gather points to them. `side` is 0 for the material's own IOR, -1 and 1 for
+        those next to it. `lamps` has one light for each cluster.
         """
         place = tuple(lamp.signature() for lamp in lamps)
         kept = self._through.get((material, side))
@@ -236,17 +223,17 @@ class ViewCache:
             with torch.no_grad():
                 toward = self.samples.toward[:, part]
                 shape = ior, self.metals, len(self.clusters), self._maps
-                hits, onward = through(self.geometry, self._view_samples.surface.pick(part), toward, *shape)
-            kept = ior, None, RefractedHits(hits, onward, self.indirect.spread_to(hits))
+                hits = through(self.geometry, self._view_samples.surface.pick(part), toward, *shape)
+            kept = ior, None, hits, self.indirect.spread_to(hits)
         if kept[1] != place:
-            behind = replace(kept[2], hits=kept[2].hits.aside())
+            hits = kept[2].aside()
             with torch.no_grad():
                 for i, lamp in enumerate(lamps):
                     if kept[1] is None or kept[1][i] != place[i]:
-                        behind.hits.light(i, lamp.detached())
-            kept = kept[0], place, behind
+                        hits.light(i, lamp.detached())
+            kept = kept[0], place, hits, kept[3]
         self._through[material, side] = kept
-        return kept[2]
+        return kept[2:]
 
     def indirect_fog(self, near: float) -> IndirectFogRays:
         """The rays along which fog acts between surfaces; `near` is a typical distance of what is seen, meters."""
@@ -267,14 +254,13 @@ class ViewCache:
 
         The mirror directions have two levels for a plain color, three for an image.
         """
+
+        def looked_up(samples: ViewSamples) -> tuple[Tensor, ...]:
+            rough = (GLOSSY,) if sky.plain else (SATIN, GLOSSY)
+            lobes = [sky.reflected(samples.mirrored, samples.surface.normal, samples.basis, r) for r in rough]
+            return sky.mirror(samples.mirrored), *lobes, sky.backdrop(samples.beyond)
+
         if needs_gradient(sky.turn) or (view_samples.moving and sky.pictured):
-            return _worlds(sky, view_samples)
+            return looked_up(view_samples)
         with torch.no_grad():
-            return self._worlds.of("", sky.signature(), lambda: _worlds(sky, self._view_samples))
-
-
-def _worlds(sky: Sky, view_samples: ViewSamples) -> tuple[Tensor, ...]:
-    mirrored, normal = view_samples.mirrored, view_samples.surface.normal
-    rough = (GLOSSY,) if sky.plain else (SATIN, GLOSSY)
-    lobes = [sky.reflected(mirrored, normal, view_samples.basis, r) for r in rough]
-    return sky.mirror(mirrored), *lobes, sky.backdrop(view_samples.beyond)
+            return self._worlds.of("", sky.signature(), lambda: looked_up(self._view_samples))

@@ -10,7 +10,7 @@ with a blurred one: hence the several values of roughness.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -32,8 +32,7 @@ _LEAST_COSINE = 0.02
 class GlowShares:
     """Shares that glowing materials fill of what A points see."""
 
-    # (A, M) of their hemisphere, weighted by the cosine, that each material's glow fills; 0 for materials
-    # that lights stand for
+    # (A, M) of their hemisphere, weighted by the cosine, that each material's glow fills; 0 for materials that lights stand for
     wide: Tensor
     blurred: tuple[Tensor, ...]  # for each roughness in `BLURS`, (A, M) of the blurred reflection
 
@@ -43,19 +42,18 @@ def glow_of(
     lobes: LobeRays,
     near: Tensor,
     wide: Tensor,
-    glowing: Sequence[int],
-    emissive: Sequence[int],
+    clusters: Mapping[int, Sequence[object]],
     materials: int,
     generator: torch.Generator,
 ) -> GlowShares:
     """Finds the shares that glowing materials fill at the points of `lobes`.
 
-    Of the `glowing` materials, lights stand for the `emissive` ones in diffuse light. Points with the same number in `near` (A,)
-    share random numbers of reflections, in `wide` (A,) those of the hemisphere: see `GatherPoints.turns`.
+    `clusters` are those of `Emitters`: in diffuse light, they stand for the materials that have some. Points with the same number
+    in `near` (A,) share random numbers of reflections, in `wide` (A,) those of the hemisphere: see `GatherPoints.turns`.
     """
-    points = lobes.points
-    diffuse = _Search(geometry, points, wide, sorted(set(glowing) - set(emissive)), "diffuse", generator)
-    glossy = _Search(geometry, points, near, sorted(glowing), "glossy", generator)
+    points, unlit = lobes.points, sorted(material for material, some in clusters.items() if not some)
+    diffuse = _Search(geometry, points, wide, unlit, "diffuse", generator)
+    glossy = _Search(geometry, points, near, sorted(clusters), "glossy", generator)
     hemisphere = diffuse.shares(materials, lobes.hemisphere, lobes.hemisphere_density)
     blurred = []
     for roughness in BLURS:

@@ -125,12 +125,11 @@ class FinalGather:
         self._opening = gather_points.smooth_glossy(self.glossy.open[:, None])
         self._open_glossy = gather_points.spread(self._opening)[:, 0]
         self._weights: tuple[_PointWeights, _PointWeights] | None = None
-        self._blurred: list[Tensor] = []
+        self._blurred: list[Tensor] = []  # (A, M) shares of glowing materials in blurred reflections
         self._lamps = lamps
         self._glow: GlowShares | None = None
-        if emitters.glowing:
-            turns = near, wide, emitters.glowing, emitters.materials
-            self._glow = glow_of(geometry, lobes, *turns, len(metals), generator)
+        if emitters.clusters:
+            self._glow = glow_of(geometry, lobes, near, wide, emitters.clusters, len(metals), generator)
 
     def aside(self) -> Self:
         """A copy in which lights may move while this one stays as it is."""
@@ -171,7 +170,8 @@ class FinalGather:
         """The indirect light of one render, without fog."""
         wide, narrow = self._weighed()
         low = (wide.scattered(table) + wide.emission @ table.emission + wide.sky @ table.sky).clamp_min(0.0)
-        glossy, glow = narrow.scattered(table) + narrow.emission @ table.emission, self._glow_at_points(table)
+        glossy = narrow.scattered(table) + narrow.emission @ table.emission
+        glow = [share @ table.emission for share in self._blurred]
         full = self._gather_points.spread(torch.cat((low, glossy, *glow), 1)).T
         mirror = self.mirror.image(self._dark(table), self._mirror_ambient(low).T)
         shown = self._shown_glow(table, full[6:])
@@ -188,10 +188,11 @@ class FinalGather:
         glossy = narrow.scattered(table, indirect_fog.light_transmittance) + narrow.emission @ table.emission
         glossy = glossy * through + indirect_fog.haze * (1 - through)
         opening = self._opening * through
-        glow = [light * through for light in self._glow_at_points(table)]
+        glow = [(share @ table.emission) * through for share in self._blurred]
         full = self._gather_points.spread(torch.cat((low, glossy, indirect_fog.haze, opening, *glow), 1)).T
         passing = self._paths.transmittance(fog)
-        dim = self._dark(table).dimmed(indirect_fog.light_transmittance.mean(0))
+        dark, shares = self._dark(table), indirect_fog.light_transmittance.mean(0)
+        dim = replace(dark, scattered=dark.scattered * shares[:, None, None])
         image = self.mirror.image(dim, self._mirror_ambient(low).T)
         mirror = image * passing + full[6:9] * (1 - passing)
         shown = self._shown_glow(table, full[10:], passing)
@@ -224,10 +225,6 @@ class FinalGather:
             sky = self._gather_points.smooth(self.diffuse.harmonics.T) * math.pi
             self._weights = _PointWeights.of(wide, sky), _PointWeights.of(narrow, torch.zeros_like(sky))
         return self._weights
-
-    def _glow_at_points(self, table: RadianceTable) -> list[Tensor]:
-        """Blurred reflections (A, 3) of what glows at the gather points."""
-        return [share @ table.emission for share in self._blurred]
 
     def _shown_glow(self, table: RadianceTable, blurred: Tensor, passing: Tensor | float = 1.0) -> tuple[Tensor, ...]:
         """`IndirectLight.glow` at the samples, from its blurred reflections (3 K, N); fog lets a share `passing` of the mirror image through."""

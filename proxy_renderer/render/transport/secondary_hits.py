@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import torch
 from jaxtyping import Float
@@ -38,29 +38,7 @@ class RadianceTable:
     scattered: Tensor  # (S, M, 3) radiance that each material scatters of each source
     emission: Tensor  # (M, 3)
     sky: Tensor  # (9, 3) spherical harmonics of the world
-    albedo: Tensor  # (M, 3) share of light that each material scatters
-
-    @staticmethod
-    def of(
-        albedo: Tensor, metallic: Tensor, emission: Tensor, lamps: Tensor, hemispheres: Tensor, sky: Tensor
-    ) -> RadianceTable:
-        """Builds the table.
-
-        From each material's share (M, 3) of light that it scatters, or reflects if it is a metal, its share (M,) of metal, and its
-        emission (M, 3); colors (L, 3) of the lights, light (2, 3) of the world on what faces up and down, its harmonics (9, 3).
-        """
-        sources = torch.cat((lamps / math.pi, hemispheres))
-        again = albedo * albedo / (1 - albedo / 2)  # third and later bounces follow the second
-        # A metal mirrors surfaces of other colors: at the second bounce, the mean color of non-metals.
-        plain = (1 - metallic)[:, None] + 1e-6
-        common = (albedo * plain).sum(0) / plain.sum(0)
-        again = torch.lerp(again, albedo * common / (1 - common / 2), metallic[:, None])
-        scattered = torch.cat((sources[:, None] * albedo, sources[:, None] * again))
-        return RadianceTable(scattered, emission, sky, albedo)
-
-    def dimmed(self, shares: Tensor) -> RadianceTable:
-        """The table with its sources dimmed by fog, which lets shares (S,) of them through."""
-        return replace(self, scattered=self.scattered * shares[:, None, None])
+    albedo: Tensor  # (M, 3) share of light that each material scatters, or reflects if it is a metal
 
 
 class _HitRadiance(torch.autograd.Function):
@@ -143,7 +121,7 @@ class SecondaryHits:
         # Rows: every light and both hemispheres of the world at the hits, then the same at second hits.
         self.incoming = torch.zeros((2 * (lamps + 2), len(self.hit)), device=self.hit.device)
         self._clear = torch.zeros_like(self.incoming)
-        self._toward, self._deep = toward, deep
+        self.toward, self._deep = toward, deep
         self._seconds: list[tuple[Tensor, Surface]] = []
         self._beyond = torch.zeros((3, len(self.hit)), device=self.hit.device)
         self._weigh(metals)
@@ -182,7 +160,7 @@ class SecondaryHits:
             generator = torch.Generator().manual_seed(7)
             uv = torch.rand((2, len(self.hit)), generator=generator).to(self.hit.device)[:, chosen]
             start, mirror_weight = self.surface.pick(chosen), self.mirror_weight[chosen]
-            mirrored = reflect(self._toward[:, chosen], start.normal)
+            mirrored = reflect(self.toward[:, chosen], start.normal)
             toward = torch.lerp(cosine_directions(start.normal, uv), mirrored, mirror_weight)
             toward = above(unit(toward), start.facet)
             hits = self.geometry.first_hits(self.geometry.lifted(start), toward, "diffuse", chosen)
@@ -309,8 +287,8 @@ def through(
     metals: Tensor,
     lamps: int,
     maps: MaterialTextures,
-) -> tuple[SecondaryHits, Tensor]:
-    """Hits behind a glass of rays (3, N) that enter its surface, followed through at most `_MOST_WALLS` walls; and their last directions (3, N)."""
+) -> SecondaryHits:
+    """Hits behind a glass of rays (3, N) that enter its surface, followed through at most `_MOST_WALLS` walls."""
     direction, _ = refract(toward, surface.normal, 1.0 / ior)
     direction = -above(-direction, surface.facet)
     origin = 2 * surface.position - geometry.lifted(surface)  # just behind the surface
@@ -333,4 +311,4 @@ def through(
         index = index[met]
         direction = direction.index_copy(1, index, bent[:, met])
         origin = origin.index_copy(1, index, goes_on[:, met])
-    return SecondaryHits(geometry, origin, direction, 1, metals, lamps, "transmission", maps), direction
+    return SecondaryHits(geometry, origin, direction, 1, metals, lamps, "transmission", maps)
