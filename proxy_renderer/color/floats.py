@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Color conversions of single colors, as plain floats: sRGB, linear Rec.709, CIE Lab and OKLab. Needs neither torch nor numpy.
-
-`arrays` has some of these functions for numpy arrays, `tensors` for torch tensors.
-"""
+"""Color conversions of single colors, as plain floats: sRGB, linear Rec.709, CIE Lab and OKLab. Needs neither torch nor numpy."""
 
 import math
 import re

@@ -42,8 +42,6 @@ _FAINT = 2e-3  # in mean radiances: ratios between darker pixels are unreliable
 _BRIGHTER = 16.0  # largest factor by which a residual grows with its light
 _LAYER_BRIGHTER = 8.0  # the same for a layer: layers of lights that were nearly off are noise
 _OFF = 1e-9  # color below which a light counts as off
-_OF_LIGHTS = ("power", "strength", "color", "temperature")
-_OF_WORLD = ("strength", "color", "tint")
 _LEAST = 0.05  # share of c P that must remain of a pixel after residuals
 _HAZY = 0.05  # in mean radiances: darker parts of the proxy are smoothed as if they were even
 _FAR = 1e4  # distance at which the background is looked up, in sizes of the scene
@@ -82,13 +80,7 @@ class Correction:
         view: View,
         cache: ViewCache,
     ) -> Correction:
-        """Compares Cycles' image with the proxy's at the same values.
-
-        Args:
-            whole: (3, P) the proxy's linear image.
-            parts: Owner to the proxy's image (3, P) of its light alone.
-            colors: Owner to the color (3,) of its light.
-        """
+        """Compares Cycles' image with the proxy's at the same values: its `whole` (3, P), its `parts` (3, P) by owner of the light."""
         guide = _names(cache.samples.center_hits, cache.geometry).view(cache.depth.shape)
         known_owners = [owner for owner in picture.parts if owner in parts]
         reference = _flat(picture.whole).to(whole)
@@ -114,10 +106,7 @@ class Correction:
         return view.signature() == self.view.signature()
 
     def pixels(self, linear: Tensor, colors: Mapping[str, Tensor], fields: Tensor | None = None) -> Tensor:
-        """Corrected pixels (3, P) of a view that `fits`, at the owners' current colors (3,); differentiable.
-
-        `fields` replace those of the anchor's pixels.
-        """
+        """Corrected pixels (3, P) of a view that `fits`, at the owners' current colors (3,); `fields` replace those of the anchor's pixels."""
         fields = self.fields if fields is None else fields
         corrected = fields[:3] * linear
         for residual, owner in zip(fields[6:].split(3), self.owners, strict=True):
@@ -160,10 +149,7 @@ class Correction:
         return True
 
     def layered(self, colors: Mapping[str, Tensor]) -> Tensor | None:
-        """The proxy's image (3, P) at other colors (3,) of the owners, as a weighted sum of its parts at θ₀.
-
-        None if a light was off, or has grown too much for its part.
-        """
+        """The proxy's image (3, P) at other colors (3,) of the owners, a sum of its parts; None if a light was off, or grew too much."""
         whole = self.rest
         for owner, part in self.parts.items():
             growth, off = _grown(self.colors[owner], colors[owner])
@@ -278,9 +264,9 @@ def is_of_light(key: str, scene: SceneData) -> bool:
     """True if an image is linear in a parameter of a light or the world, or in the light's color that follows from it."""
     group, _, name = split_key(key)
     if group == "light":
-        return name in _OF_LIGHTS
+        return name in ("power", "strength", "color", "temperature")
     # A backdrop with its own color and strength does not change with the world's.
-    return group == "world" and name in _OF_WORLD and not has_own_backdrop(scene)
+    return group == "world" and name in ("strength", "color", "tint") and not has_own_backdrop(scene)
 
 
 @dataclass(frozen=True)

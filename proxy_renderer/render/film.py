@@ -60,10 +60,7 @@ class Film:
         return self.show(graded / alpha.clamp_min(_CLEAR), values) * alpha
 
     def grade(self, linear: Tensor, values: Mapping[str, Tensor]) -> Tensor:
-        """Applies the renderer's gain, the artist's compositor, and the steps of "Vibe Grade" in its order.
-
-        Steps with neutral values are left out unless they need gradients.
-        """
+        """Applies the renderer's gain, the artist's compositor, and the steps of "Vibe Grade" in its order."""
         set_ = _Settings(values, linear)
         c = linear if self._gain == 1.0 else linear * self._gain
         if self._compositor is not None:

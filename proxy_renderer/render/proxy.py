@@ -109,8 +109,7 @@ class Proxy:
         """Renders the scene without grade and view transform; values of the film are ignored.
 
         With a `cache`, only lights that have moved are traced again: mirrors and glasses stay as they were traced, as they do for
-        gradients. If values differ from the anchor's only in powers and colors of lights, the image is a sum of the anchor's
-        layers.
+        gradients. If values differ from the anchor's only in powers and colors of lights, the image is `layered`.
         """
         if (latent := self.layered(values)) is not None:
             return latent

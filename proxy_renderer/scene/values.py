@@ -75,10 +75,7 @@ class Recent:
 
 
 class Remembered:
-    """A cache of results that depend on the values of one owner, a light or a material.
-
-    Results of values that need gradients are computed each time.
-    """
+    """A cache of results that depend on the values of one owner, a light or a material; those with gradients are computed each time."""
 
     def __init__(self) -> None:
         self._recent = Recent()

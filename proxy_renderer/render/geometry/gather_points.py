@@ -66,14 +66,7 @@ class _SparseProduct(torch.autograd.Function):
 
 
 class GatherPoints:
-    """Samples on a coarse grid, one for each material seen in each cell.
-
-    Attributes:
-        index: (A,) indices of the samples.
-        smooth: Averages over neighboring gather points, against noise.
-        smooth_glossy: The same over fewer neighbors, for values that depend on the view.
-        spread: Interpolates from gather points to all surface samples.
-    """
+    """Samples on a coarse grid, one for each material seen in each cell."""
 
     def __init__(self, samples: Samples, surface: Surface, across: int = _CELLS_ACROSS) -> None:
         width, height = samples.size
@@ -87,7 +80,7 @@ class GatherPoints:
         # Behind a transparent surface, the same material may be seen in another place.
         kind = (cell * 4096 + surface.material) * 8 + samples.layer[:n].clamp_max(7)
         _, group = torch.unique(kind, return_inverse=True)
-        self.index = last_of(group, order, int(group.max()) + 1 if n else 0)
+        self.index = last_of(group, order, int(group.max()) + 1 if n else 0)  # (A,) of the samples
         own = cell[self.index]
         self._cell = torch.stack((own % columns, own // columns))
         # Gather points (rows, columns, most) in every cell, -1 where there are fewer.
@@ -100,9 +93,10 @@ class GatherPoints:
         self._lists = lists.view(rows, columns, most)
         points = _Places(place, surface, samples.hits.distance[:n] * (2.0 / max(columns, rows)))
         self._gather_points = points.pick(self.index)
+        # Averages over neighboring gather points, against noise: over fewer for values that depend on the view.
         self.smooth = self._weights(self._gather_points, range(-3, 4), nearest=40, width=3.5)
         self.smooth_glossy = self._weights(self._gather_points, range(-1, 2), nearest=9, width=1.6)
-        self.spread = self._weights(points)
+        self.spread = self._weights(points)  # interpolates from gather points to all surface samples
 
     def turns(self, side: int) -> Tensor:
         """(A,) numbers below side², which differ between all cells of any square of side × side cells.

@@ -204,8 +204,7 @@ class RayGeometry:
     def first_hits(self, origin: Tensor, toward: Tensor, ray: str, numbers: Tensor | None = None) -> Hits:
         """First hits of rays (3, N) of a kind.
 
-        A transparent surface stops only its share of the rays; which ones depends on their `numbers` (N,), always in the same
-        way.
+        A transparent surface stops only its share of the rays; which ones depends on nothing but their `numbers` (N,).
         """
         hits = self.nearest(origin, toward, ray)
         if not self._filter:

@@ -4,8 +4,7 @@
 With more than `EXACT` lights, the strongest are traced one by one, the others in clusters of lights that light the visible points
 alike. A cluster needs as many shadow rays as one light, and one of its lights stands for all in bounced light (Walter et al.,
 "Lightcuts", 2005). Which lights are alike is read from the matrix of unshadowed light that each sends to visible points (Hašan et
-al., "Matrix row-column sampling for the many-light problem", 2007). Unshadowed direct light and highlights are computed for each
-light.
+al., "Matrix row-column sampling for the many-light problem", 2007). Every light has its own unshadowed light and highlight.
 """
 
 from __future__ import annotations

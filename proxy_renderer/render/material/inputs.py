@@ -204,13 +204,17 @@ class MaterialTextures:
             index = (surface.material == material).nonzero()[:, 0]
             if row.texture is None or not len(index):
                 continue
-            name = "far" if "far" in row.maps else "base_color"
-            if name == "far":
-                place = self._place(row.maps[name], surface.pick(index))
+            far = row.maps.get("far")
+            if far is not None:
+                place = self._place(far, surface.pick(index))
                 index = index[((place > 0) & (place < 1)).all(0)]
             elif row.texture.window is not None:
                 index = index[self._seen(row.texture.window, surface.pick(index), geometry)]
-            sampled = self._footprints(material, name, surface.pick(index))
+            part = surface.pick(index)
+            if far is not None and len(index) > 1:
+                sampled = self._footprints(self._images[material, "far"], self._place(far, part))
+            else:
+                sampled = self.at(material, "base_color" if far is None else "far", part)
             mean = self._images[material, "base_color"].mean((2, 3)).view(3, 1).clamp_min(1e-3)
             result = torch.ones_like(surface.position) if result is None else result
             result = result.index_copy(1, index, sampled / mean)
@@ -219,32 +223,24 @@ class MaterialTextures:
     def _seen(self, window: tuple[float, float, float, float], surface: Surface, geometry: RayGeometry) -> Tensor:
         """(N,) bool: points inside a window of the exported camera's image that the camera sees, not hidden by others."""
         place = self._through(window, surface.position)
-        eye = self._view.position[:, None]
-        offset = surface.position - eye
+        offset, ahead = surface.position - self._view.position[:, None], -self._view.rotation[:, 2:3]
+        depth = dot(ahead.expand_as(offset), offset)
         if self._view.orthographic:
-            back = self._view.rotation[:, 2:3]
-            offset = -back * (dot(-back.expand_as(offset), offset))
+            offset = ahead * depth
         distance = length(offset)
-        ahead = dot(-self._view.rotation[:, 2:3].expand_as(offset), offset) > 0
-        inside = ((place > 0) & (place < 1)).all(0) & ahead
         start = surface.position - offset
         open_ = geometry.clear(start, offset / distance, distance * (1 - 1e-3), ray="camera")
-        return inside & (open_ > 0)
+        return ((place > 0) & (place < 1)).all(0) & (depth > 0) & (open_ > 0)
 
-    def _footprints(self, material: int, name: str, surface: Surface) -> Tensor:
-        """A base color (3, N), averaged over the distance to the next point in order, mostly the neighbor in the image.
+    def _footprints(self, image: Tensor, place: Tensor) -> Tensor:
+        """An image's colors (3, N) at places (2, N), averaged over the distance to the next one, mostly the neighbor's in the image.
 
         In a mirror, much of a texture may fall into one pixel.
         """
-        texture = self._scene.materials[material].maps.get(name)
-        image = self._images[material, name]
-        if texture is None or surface.position.shape[1] < 2:
-            return self.at(material, name, surface)
-        place = self._place(texture, surface)
         step = (place[:, 1:] - place[:, :-1]).abs().amax(0) * image.shape[-1]
         level = torch.cat((step, step[-1:])).clamp_min(1.0).log2().clamp_max(_LEVELS - 1)
         grid = (place * 2 - 1).T[None, None]
-        result = torch.zeros_like(surface.position)
+        result = torch.zeros((3, place.shape[1]), device=place.device)
         for number in range(_LEVELS):
             share = (1 - (level - number).abs()).clamp_min(0.0)
             sampled = grid_sample(image, grid, padding_mode="border", align_corners=False)[0, :, 0]

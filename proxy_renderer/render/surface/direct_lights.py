@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The samples as the camera sees them, and the direct light of each light on them.
-
-Direct light is kept as long as neither camera nor light moves.
-"""
+"""The samples as the camera sees them, and the direct light of each light on them, kept while neither camera nor light moves."""
 
 from __future__ import annotations
 

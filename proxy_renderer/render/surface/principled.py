@@ -86,10 +86,10 @@ def _metal(inputs: ShadingInputs, view: Tensor, base: Tensor, single: tuple[Tens
     fss = base + (1 - base) / 21 - b / 126
     many = multiple_scattering(fss, mean)
     curve = torch.tensor(albedo.SCHLICK_CURVE, device=e.device)
-    reflectance, edge = base + (1 - base) * albedo.weigh(albedo.schlick_share(inputs.roughness), view), None
+    reflectance, edge = base + (1 - base) * albedo.weigh(albedo.over_roughness("schlick", inputs.roughness), view), None
     if used(1 - tint):
         edge = b
-        reflectance = reflectance - b * albedo.weigh(albedo.edge_share(inputs.roughness), view)
+        reflectance = reflectance - b * albedo.weigh(albedo.over_roughness("edge", inputs.roughness), view)
     boost = 1 + many * ((1 - e) / e)
     return _Layer(e, base, curve, reflectance.clamp_min(0.0), boost, torch.ones_like(mean), edge)
 
@@ -107,7 +107,7 @@ def _dielectric(inputs: ShadingInputs, view: Tensor, single: tuple[Tensor, Tenso
     # An IOR of 1 reflects nothing; next to it the curves are too steep for their tables.
     present = (f0.detach() / _FAINT).clamp_max(1.0)
     share = albedo.weigh(albedo.dielectric_share(inputs.roughness, ior), view).clamp(0.0, 1.0) * present
-    curve = albedo.dielectric_curve(ior) * present
+    curve = albedo.over_ior("curve", ior) * present
     strongest = tinted.amax()
     boost = 1 + many.amax() * ((1 - e) / e)
     left = 1 - (strongest + (1 - strongest) * share) * (e * boost)
@@ -127,7 +127,7 @@ def _glass(
     f0 = albedo.f0_of(ior) * within(inputs.specular_tint, 0.0, 1.0)[:, None]
     share = albedo.weigh(albedo.dielectric_share(inputs.roughness, ior), light.view).clamp(0.0, 1.0)
     reflectance = f0 + (1 - f0) * share
-    direct = specular(light, lobes, albedo.dielectric_curve(ior), f0)
+    direct = specular(light, lobes, albedo.over_ior("curve", ior), f0)
     behind = light.behind if light.behind is not None else reflections
     # Rough glass blurs what is behind it. One ray shows no blur: mix towards the diffuse light instead.
     behind = torch.lerp(behind, light.reflected.images[-1], inputs.roughness)
@@ -155,7 +155,7 @@ def _coat(inputs: ShadingInputs, light: IncidentLight) -> _Layer:
         tint, cosine = light.view.new_tensor(inputs.coat_tint).clamp_min(1e-4)[:, None], 1 - light.view[1]
         depth = (1 - (1 - cosine * cosine) / inputs.coat_ior**2).clamp_min(1e-4).rsqrt()
         left = left * (1 - inputs.coat * (1 - tint**depth))
-    return _Layer(e, f0.expand(3, 1), albedo.dielectric_curve(ior), reflectance, boost, left)
+    return _Layer(e, f0.expand(3, 1), albedo.over_ior("curve", ior), reflectance, boost, left)
 
 
 _SHEEN = (
@@ -222,8 +222,8 @@ def single_scattering(
     roughness: Float[Tensor, "*varying"], view: Float[Tensor, "7 n"]
 ) -> tuple[Float[Tensor, " n"], Float[Tensor, "*varying"]]:
     """Single-scattering albedo (N,) without Fresnel, and its mean ()."""
-    coefficients, mean = albedo.energy(roughness)
-    return albedo.weigh(coefficients, view).clamp(0.05, 1.0), mean.clamp(0.05, 1.0)
+    energy, mean = (albedo.over_roughness(name, roughness) for name in ("energy", "mean"))
+    return albedo.weigh(energy, view).clamp(0.05, 1.0), mean.clamp(0.05, 1.0)
 
 
 def multiple_scattering(fss: Float[Tensor, "*#n"], mean: Float[Tensor, "*#n"]) -> Float[Tensor, "*n"]:

@@ -56,10 +56,8 @@ class GBuffer:
 class ViewCache:
     """Samples, shadows and bounced light that are traced once per camera position.
 
-    Args:
-        metals: (M,) weight of mirror reflection of each material, 0 for what is no metal.
-        smooth: (M,) bool: materials of which every pixel gets several samples.
-        lamps: The lights, the suns of the world and glowing surfaces included.
+    `metals` (M,) are weights of mirror reflection, 0 for what is no metal. Pixels of `smooth` materials (M,) bool get several
+    samples. `lamps` include the suns of the world and glowing surfaces.
     """
 
     def __init__(
@@ -250,10 +248,7 @@ class ViewCache:
             return Silhouettes.of(self.samples, self._view_samples.surface)
 
     def worlds(self, sky: Sky, view_samples: ViewSamples) -> tuple[Tensor, ...]:
-        """Uncolored radiance of the world: in the mirror directions, sharp to blurred, (3, N) each; last, behind all, (3, B).
-
-        The mirror directions have two levels for a plain color, three for an image.
-        """
+        """Uncolored radiance of the world: in the mirror directions, sharp to blurred, (3, N) each; last, behind all, (3, B)."""
 
         def looked_up(samples: ViewSamples) -> tuple[Tensor, ...]:
             rough = (GLOSSY,) if sky.plain else (SATIN, GLOSSY)

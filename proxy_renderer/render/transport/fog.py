@@ -6,8 +6,7 @@ Extinction σ(x) = density · exp(−falloff · max(0, z − base − offset)), 
 The rays of a coarse image are cut into segments. In each, a light's irradiance is averaged analytically, so that its glow needs
 no dense samples, and the scattered share is exact: the transmittance lost in the segment. The running sums are kept on a grid
 over image and depth (froxels), which samples look up by their own depth: fog in front of a near subject does not mix with fog in
-front of the background. Cycles, too, scatters once with its default of no volume bounces. Vectors are planar, (3, …), as in all
-shading code.
+front of the background. Cycles, too, scatters once with its default of no volume bounces.
 """
 
 import math
@@ -37,26 +36,19 @@ _WORLD_COARSE = 4  # rays of the coarse image per ray of the world's light, alon
 
 
 class FogMedium:
-    """The scene's fog with one set of values.
-
-    Attributes:
-        density: () extinction in 1/m, below the height where the fog thins.
-        albedo: (3,) share of the extinguished light that is scattered.
-        anisotropy: () Henyey-Greenstein g.
-        extent: Length in meters that crosses all of the fog.
-    """
+    """The scene's fog with one set of values."""
 
     def __init__(self, scene: SceneData, settings: RenderValues) -> None:
         spec = scene.volume
-        self.density = settings.scalar("volume/density")
-        self.albedo = settings.color("volume/color", 0.8)
-        self.anisotropy = settings.scalar("volume/anisotropy")
+        self.density = settings.scalar("volume/density")  # () 1/m, below the height where the fog thins
+        self.albedo = settings.color("volume/color", 0.8)  # (3,) share of the extinguished light that is scattered
+        self.anisotropy = settings.scalar("volume/anisotropy")  # () Henyey-Greenstein g
         self._falloff = settings.scalar("volume/falloff")
         self._top = spec.base + settings.scalar("volume/offset")
         self._thins = self._falloff.requires_grad or bool(self._falloff > 0)
         center, half = (torch.tensor(v, device=settings.device) for v in (spec.center, spec.half_size))
         self._box = None if spec.kind == "world" else (center - half, center + half)
-        self.extent = float(2 * half.norm()) * (1 if self._box else _EVERYWHERE)
+        self.extent = float(2 * half.norm()) * (1 if self._box else _EVERYWHERE)  # meters; crosses all of the fog
 
     @property
     def active(self) -> bool:

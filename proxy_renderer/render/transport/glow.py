@@ -123,8 +123,7 @@ class _Search:
     ) -> Tensor:
         """Shares (A, M) of a lobe that the materials' glow fills.
 
-        `directions` maps (2, A, R) in [0, 1) to rays (3, A * R) of the lobe; `density` is the probability density (A * R) of
-        rays.
+        `directions` maps (2, A, R) in [0, 1) to rays (3, A * R) of the lobe; `density` is their probability density (A * R).
         """
         points = self._origin.shape[1]
         if self._targets is None:

@@ -85,10 +85,7 @@ class _PointWeights:
 
 
 class FinalGather:
-    """Bounced light and reflections for the samples of one view.
-
-    `gather_points` are the indices (A,) of the samples at which diffuse light is gathered.
-    """
+    """Bounced light and reflections for the samples of one view."""
 
     def __init__(
         self,
@@ -105,7 +102,7 @@ class FinalGather:
         self._view = view
         self._borrowed = False  # whether hits are shared with the original of a copy
         self._gather_points = gather_points = GatherPoints(samples, surface)
-        self.gather_points = gather_points.index
+        self.gather_points = gather_points.index  # (A,) of the samples at which diffuse light is gathered
         points = surface.pick(gather_points.index)
         origin = geometry.lifted(points)
         lobes = LobeRays.of(points, samples.toward[:, gather_points.index])

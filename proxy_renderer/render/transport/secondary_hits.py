@@ -2,8 +2,7 @@
 """Secondary rays: traced once per view, straight or refracted through glass, their hits shaded anew in every render.
 
 The radiance of a hit is albedo x irradiance / pi + emission. One more ray from the hit adds a second bounce, with the same
-albedo. That is linear in albedo x light, so that all rays of a point become one fixed row of weights over a small table of
-radiances.
+albedo. That is linear in albedo x light: all rays of a point become one fixed row of weights over a small table of radiances.
 """
 
 from __future__ import annotations
@@ -90,10 +89,6 @@ class SecondaryHits:
         lamps: Number of lights, or of clusters of lights.
         maps: Textures of the hits; None for each material's mean color.
         deep: Whether hits get the world's light and a second bounce.
-
-    Attributes:
-        open: (A,) share of rays that leave the scene.
-        mirror_weight: (A * R,) weight of mirror reflection of the hits.
     """
 
     def __init__(
@@ -114,7 +109,7 @@ class SecondaryHits:
         self.surface = geometry.surface(hits, toward)
         self.distance = hits.distance
         self._relative_base_color = maps.relative_base_color(self.surface, geometry) if maps else None
-        self.open = 1 - self.hit.view(-1, count).mean(1)
+        self.open = 1 - self.hit.view(-1, count).mean(1)  # (A,) share of rays that leave the scene
         self.materials, self.lamps = len(metals), lamps
         self.owner = self.surface.material * hits.hit + self.materials * ~hits.hit
         self._members: list[Tensor] = []
@@ -130,7 +125,7 @@ class SecondaryHits:
 
     def _weigh(self, metals: Tensor) -> None:
         """Sets the mirror weights of materials (M,), and what follows from them."""
-        self.mirror_weight = metals[self.surface.material] * self.hit
+        self.mirror_weight = metals[self.surface.material] * self.hit  # (A * R,) of the hits
         self._matte = (self.hit > self.mirror_weight).nonzero()[:, 0]  # mirrors do not scatter light
         self._first = self.surface.pick(self._matte)
         # If not deep, second rays have the mirrored share; ambient light (see `image`) has the rest.
@@ -185,10 +180,7 @@ class SecondaryHits:
         return other
 
     def light(self, index: int, lamp: LightSource, same_rays: bool = False, among: Tensor | None = None) -> None:
-        """Updates the light of one row at all hits, or those in `among` (A * R,) bool.
-
-        Shadow rays are not traced if they are the `same_rays`, as when only its size has changed.
-        """
+        """Updates the light of one row at all hits, or `among` (A * R,) bool; shadow rays are kept if they are the `same_rays`."""
         for row, rays, surface, share in self._bounces(index):
             if among is not None:
                 some = among[rays].nonzero()[:, 0]
