@@ -101,12 +101,8 @@ class Correction:
         rest = whole - sum(parts.values(), torch.zeros_like(whole))
         return Correction(*kept, rest, fields, (*known_owners, REST))
 
-    def fits(self, view: View) -> bool:
-        """True if a view's pixels are those of the anchor."""
-        return view.signature() == self.view.signature()
-
     def pixels(self, linear: Tensor, colors: Mapping[str, Tensor], fields: Tensor | None = None) -> Tensor:
-        """Corrected pixels (3, P) of a view that `fits`, at the owners' current colors (3,); `fields` replace those of the anchor's pixels."""
+        """Corrected pixels (3, P) of the anchor's view, at the owners' current colors (3,); `fields` replace those of its pixels."""
         fields = self.fields if fields is None else fields
         corrected = fields[:3] * linear
         for residual, owner in zip(fields[6:].split(3), self.owners, strict=True):

@@ -101,7 +101,7 @@ class Proxy:
     def develop(self, latent: LatentImage, values: Mapping[str, Tensor]) -> Render:
         """Applies grade and view transform to the result of `expose`; of the values, only the film's are used."""
         settings = RenderValues(self.scene, values, self.device)
-        film = {key: settings.color(key) for key in _FILM_KEYS if settings.has(key)}
+        film = {key: settings.color(key) for key in _FILM_KEYS if key in values or key in self.scene.instances}
         display = self.film.develop(latent.linear, film, latent.alpha)
         return Render(display=display, **vars(latent))
 
@@ -116,7 +116,7 @@ class Proxy:
         frame = self._frame(values, cache)
         radiance, passing = self._light(frame)
         # If the anchor had another camera, the correction is looked up per sample, so that outlines stay smooth.
-        fits = self.correction is not None and self.correction.fits(frame.view)
+        fits = self.correction is not None and self.correction.view.signature() == frame.view.signature()
         if self.correction and not fits:
             others = {k: v for k, v in self.correction.values.items() if not k.startswith("camera/")}
             there = {**others, **{k: v.detach() for k, v in values.items() if k.startswith("camera/")}}

@@ -48,10 +48,6 @@ class RenderValues:
         flat = iter(torch.cat(rows).tolist() if rows else ())
         return {key: tuple(next(flat) for _ in row) for key, row in zip(self.given, rows, strict=True)}
 
-    def has(self, key: str) -> bool:
-        """True if the scene or the caller knows the parameter."""
-        return key in self.given or key in self.scene.instances
-
 
 def needs_gradient(*tensors: Tensor) -> bool:
     """True if gradients are being recorded for any of the tensors."""

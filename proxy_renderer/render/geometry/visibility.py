@@ -6,6 +6,7 @@ from __future__ import annotations
 import functools
 import hashlib
 import weakref
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
@@ -230,14 +231,12 @@ class RayGeometry:
         further = self.nearest(origin + toward * start, toward, ray)
         return replace(further, distance=further.distance + start)
 
-    def nearest(self, origin: Tensor, toward: Tensor, ray: str) -> Hits:
+    def nearest(self, origin: Tensor, toward: Tensor, ray: str, among: Sequence[TriangleClass] | None = None) -> Hits:
         """Nearest intersections of rays (3, N) of a kind with unit directions (3, N), transparent or not."""
-        return self._nearest(origin, toward, [c for c in self._classes if ray not in c.hidden])
-
-    def _nearest(self, origin: Tensor, toward: Tensor, classes: list[TriangleClass]) -> Hits:
         rays, met = (_rows(origin), _rows(toward)), None
-        for each in classes:
-            met = each.tree.nearest(*rays, met)
+        for each in self._classes if among is None else among:
+            if ray not in each.hidden:
+                met = each.tree.nearest(*rays, met)
         if met is None:
             none = torch.zeros(origin.shape[1], device=self.device)
             return Hits(torch.full_like(none, -1, dtype=torch.int64), none, none, none + torch.inf)
@@ -261,7 +260,7 @@ class RayGeometry:
             if not len(index):
                 break
             way = toward[:, index]
-            near = self._nearest(origin[:, index] + way * start[index], way, veils)
+            near = self.nearest(origin[:, index] + way * start[index], way, ray, veils)
             reach = start[index] + near.distance
             met = near.hit & (reach < distance[index])
             index, reach = index[met], reach[met]
@@ -310,12 +309,6 @@ class RayGeometry:
         facet, normal = facet * back, facing(normal * back, toward)
         uv = sum((self.uvs[k, triangle].T * weights[k] for k in range(3)), torch.zeros_like(a[:2]))
         return Surface(position, normal, facet, uv, self.material[triangle], self.object[triangle])
-
-    def from_behind(self, hits: Hits, toward: Tensor) -> Tensor:
-        """(N,) whether rays (3, N) meet triangles on the side that their shading normals look away from."""
-        index = hits.triangle.clamp_min(0)
-        outside = sum((self.normals[k, index].T for k in range(3)), torch.zeros_like(toward))
-        return dot(outside, toward) > 0
 
     def lifted(self, surface: Surface) -> Tensor:
         """Origins (3, N) just above a surface, for rays that must not meet it again at once."""

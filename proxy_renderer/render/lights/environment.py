@@ -37,29 +37,17 @@ _NARROWEST = 0.25  # least width of a round lobe over the long lobe's length: na
 
 
 class Environment:
-    """The constant part of the world: its image, prepared for look-ups.
-
-    Attributes:
-        whole: The image (1, 3, H, W + 2), with a wrapped column at both sides; None for a plain color.
-        backdrop: The image that the camera sees, likewise; None for a plain color.
-        sharp: `whole` without narrow suns.
-        blurred: Copies of `sharp`, blurred to several degrees: see `blurred_stack`.
-        suns: The bright parts of the image, which `soft` and `harmonics` are without.
-        soft: A blurred copy.
-        hidden: Kinds of rays that do not meet the world.
-        harmonics: (9, 3) spherical harmonics of the radiance; a plain color has only the first.
-    """
+    """The constant part of the world: its image, prepared for look-ups; images are (1, 3, H, W + 2), wrapped at both sides."""
 
     def __init__(self, scene: SceneData, device: torch.device) -> None:
-        self.hidden = scene.world.hidden
-        self.suns: list[EnvironmentSun] = []
-        self.whole: Tensor | None = None
-        seen = scene.world.backdrop
-        self.horizon = scene.world.horizon
-        self.backdrop = None if seen is None else _padded(_sharp(seen, device))
+        image, seen = scene.world.image, scene.world.backdrop
+        self.hidden, self.horizon = scene.world.hidden, scene.world.horizon
+        self.suns: list[EnvironmentSun] = []  # the bright parts of the image, which `soft` and `harmonics` are without
+        self.whole: Tensor | None = None  # None for a plain color
+        self.backdrop = None if seen is None else _padded(_sharp(seen, device))  # what the camera sees, likewise
         self.sharp = self.blurred = self.soft = torch.zeros(0, device=device)
-        image = scene.world.image
         if scene.world.kind != "environment" or image is None:
+            # (9, 3) spherical harmonics of the radiance: a plain color has only the first.
             white = torch.full((1, 3), 2 * math.sqrt(math.pi), device=device)
             self.harmonics = torch.cat((white, torch.zeros((8, 3), device=device)))
             return
@@ -68,7 +56,7 @@ class Environment:
         small = interpolate(rest, (_ROUGH_HEIGHT, 2 * _ROUGH_HEIGHT), mode="area")[0]
         grid, solid = texels(_ROUGH_HEIGHT, 2 * _ROUGH_HEIGHT, device)
         self.harmonics = harmonics(grid).mul(solid) @ small.flatten(1).T
-        self.whole, self.sharp = _padded(sharp), _padded(shown)
+        self.whole, self.sharp = _padded(sharp), _padded(shown)  # without narrow suns
         if self.backdrop is None and _shares_picture(scene):
             self.backdrop = self.whole
         self.blurred = blurred_stack(shown)
@@ -94,11 +82,6 @@ class Sky:
     def reaches(self, ray: str) -> bool:
         """True if a kind of rays meets the world."""
         return ray not in self.environment.hidden
-
-    @property
-    def pictured(self) -> bool:
-        """True if the world's light, or what the camera sees of the world, depends on the direction."""
-        return not self.plain or self.environment.backdrop is not None
 
     def signature(self) -> tuple[float, ...]:
         """Numbers that change when the uncolored radiance in any direction does."""

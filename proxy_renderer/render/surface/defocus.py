@@ -56,8 +56,12 @@ class Defocus:
         padded = distance.shape[0] + pad, distance.shape[1] + pad
         layers = []
         for number, knot in enumerate(knots):
-            opacity = _opacity(radius, knots, number)
-            layers.append((opacity, _disc(abs(knot), padded).to(opacity.device) if knot else None))
+            # 1 from its radius half way to its neighbors' radii, 0 at those; at every pixel, one layer is opaque.
+            share = torch.ones_like(radius)
+            for neighbor in (*knots[number - 1 : number], *knots[number + 1 : number + 2]):
+                share = torch.minimum(share, (radius - neighbor) / (knot - neighbor))
+            disc = _disc(abs(knot), padded).to(radius.device) if knot else None
+            layers.append(((2 * share).clamp(0.0, 1.0), disc))
         return Defocus(view.size, layers, padded)
 
     def __call__(self, picture: Tensor) -> Tensor:
@@ -76,23 +80,12 @@ class Defocus:
 
 def _knots(least: float, greatest: float) -> list[float]:
     """Signed radii of the layers, from far to near, 0 among them."""
-    sides = []
-    for reach in (-least, greatest):
-        radii: list[float] = []
-        radius = _FIRST
-        while reach > 0 and (not radii or radii[-1] < reach):
-            radii.append(radius)
-            radius *= _GROWTH
-        sides.append(radii)
-    return [-r for r in reversed(sides[0])] + [0.0] + sides[1]
-
-
-def _opacity(radius: Tensor, knots: list[float], number: int) -> Tensor:
-    """Opacity (H, W) of a layer: 1 from its radius half way to its neighbors' radii, 0 at those; at every pixel, one layer is opaque."""
-    share, knot = torch.ones_like(radius), knots[number]
-    for neighbor in (*knots[number - 1 : number], *knots[number + 1 : number + 2]):
-        share = torch.minimum(share, (radius - neighbor) / (knot - neighbor))
-    return (2 * share).clamp(0.0, 1.0)
+    knots = [0.0]
+    while knots[0] > least:
+        knots.insert(0, knots[0] * _GROWTH or -_FIRST)
+    while knots[-1] < greatest:
+        knots.append(knots[-1] * _GROWTH or _FIRST)
+    return knots
 
 
 def _disc(radius: float, size: tuple[int, int]) -> Tensor:

@@ -71,12 +71,20 @@ class DirectLights:
             with torch.no_grad():
                 known = None if view_samples.moving else direct
                 kept = self._kept[index] = self._shadowed(index, lamps, known)
-        if moving:
-            visible = kept.visible + self._moving_shadow(kept, lamp, view)
-            return DirectLight.of(lamp, view_samples, direct, visible)
-        with torch.no_grad():
-            kept.direct_light = DirectLight.of(lamp, self._seen, direct, kept.visible)
-        return kept.direct_light
+        if not moving:
+            with torch.no_grad():
+                kept.direct_light = DirectLight.of(lamp, self._seen, direct, kept.visible)
+            return kept.direct_light
+        visible = kept.visible
+        if lamp.light.shadow and lamp.owner:  # surfaces that glow do not move
+            if kept.edges is None:
+                with torch.no_grad():
+                    still = view.detached(), lamp.detached()
+                    kept.edges = ShadowEdges.of(self._geometry, self._samples, *still, visible)
+            # Zeros whose gradient is that of the light's shadows, which move with light and camera.
+            term = kept.edges.term(view, lamp, self._samples.size[0] * self._samples.size[1])
+            visible = visible + torch.where(self._on_center, term[self._pixel], 0.0)
+        return DirectLight.of(lamp, view_samples, direct, visible)
 
     def _signature(self, index: int, lamps: Sequence[LightSource]) -> tuple[float, ...]:
         members = self._clusters.clusters[self._clusters.row[index]].members
@@ -93,18 +101,6 @@ class DirectLights:
         still = lamps[index].detached()
         direct = direct or still.irradiance(self._seen.surface.position, self._seen.surface.normal)
         return _Shadowed(signature, shadow(*view, still, direct, lamps[index].moving))
-
-    def _moving_shadow(self, kept: _Shadowed, lamp: LightSource, view: View) -> Tensor:
-        """Zeros (N,) whose gradient is that of a light's shadows, which move with light and camera."""
-        if not lamp.light.shadow or not lamp.owner:  # surfaces that glow do not move
-            return torch.zeros_like(kept.visible)
-        if kept.edges is None:
-            with torch.no_grad():
-                still = view.detached(), lamp.detached()
-                kept.edges = ShadowEdges.of(self._geometry, self._samples, *still, kept.visible)
-        width, height = self._samples.size
-        term = kept.edges.term(view, lamp, width * height)
-        return torch.where(self._on_center, term[self._pixel], 0.0)
 
 
 @dataclass(frozen=True)

@@ -37,9 +37,7 @@ def direct_lights_of(frame: RenderState) -> list[DirectLight]:
     """Direct light of each light, dimmed by fog on its way to the samples; bounced light of lights that have moved is traced again as well."""
     state = frame.lamps, frame.view_samples, frame.view
     direct_lights = [frame.cache.direct_light(i, *state) for i in range(len(frame.lamps))]
-    if frame.fog.active:
-        return [direct_light.through(frame.fog) for direct_light in direct_lights]
-    return direct_lights
+    return [each.through(frame.fog) for each in direct_lights] if frame.fog.active else direct_lights
 
 
 def irradiance(frame: RenderState, direct_lights: list[DirectLight], gathered: IndirectLight) -> Tensor:
@@ -64,7 +62,7 @@ def radiance(
     bare = [pair for pair in shining if not pair[0].pictured]
     around = (irradiance := irradiance + _direct(pictured)) / math.pi
     irradiance = irradiance + _direct(bare)
-    colors = torch.stack([lamp.color for lamp, _ in bare]) if bare else frame.colors[:0]
+    colors = torch.stack([lamp.color for lamp, _ in bare]) if bare else sky.color.new_zeros((0, 3))
     *levels, behind = cache.worlds(sky, view_samples)
     tint = (sky.color * sky.reaches("glossy"))[:, None]
     knots, images = _images(gathered, [level * tint for level in levels], around)
@@ -138,7 +136,7 @@ def table_of(frame: RenderState) -> RadianceTable:
     colors = torch.stack([p.base * mean * (1 - p.transmission) * bounces for p, mean in rows])
     albedos, sky = within(colors, 0.0, 1.0), frame.sky
     lit = [s.color * s.reaches("diffuse") for s in frame.sources]
-    lamps = torch.stack(lit) if lit else frame.colors
+    lamps = torch.stack(lit) if lit else sky.color.new_zeros((0, 3))
     sources = torch.cat((lamps / math.pi, sky.hemispheres))[:, None]
     again = albedos * albedos / (1 - albedos / 2)  # third and later bounces follow the second
     # A metal mirrors surfaces of other colors: at the second bounce, the mean color of non-metals.
@@ -181,13 +179,6 @@ class RenderState:
     sky: Sky  # the world
     shading_inputs: list[ShadingInputs]  # of every material
     fog: FogMedium  # the medium
-
-    @functools.cached_property
-    def colors(self) -> Tensor:
-        """(L, 3) colors of the lights."""
-        if not self.lamps:
-            return self.sky.color.new_zeros((0, 3))
-        return torch.stack([lamp.color for lamp in self.lamps])
 
     @functools.cached_property
     def sources(self) -> list[LightSource]:

@@ -255,7 +255,8 @@ class ViewCache:
             lobes = [sky.reflected(samples.mirrored, samples.surface.normal, samples.basis, r) for r in rough]
             return sky.mirror(samples.mirrored), *lobes, sky.backdrop(samples.beyond)
 
-        if needs_gradient(sky.turn) or (view_samples.moving and sky.pictured):
+        varied = not sky.plain or sky.environment.backdrop is not None
+        if needs_gradient(sky.turn) or (view_samples.moving and varied):
             return looked_up(view_samples)
         with torch.no_grad():
             return self._worlds.of("", sky.signature(), lambda: looked_up(self._view_samples))

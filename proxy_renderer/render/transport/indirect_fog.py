@@ -23,7 +23,7 @@ from ..geometry.visibility import RayGeometry, Surface, sphere_points
 from ..lights.environment import Sky
 from ..lights.light_source import LightSource
 from .fog import DIRECTIONS, WEIGHTS, FogMedium, SingleScattering, phase_shares
-from .secondary_hits import shadowed_irradiance
+from .secondary_hits import clear_to
 
 T = TypeVar("T")
 
@@ -127,7 +127,8 @@ class IndirectFogRays:
 
         @torch.no_grad()
         def weights() -> Tensor:  # irradiance (P, rays) where the rays end; never 0, because its sum is a divisor
-            irradiance = shadowed_irradiance(self._geometry, still, self._surface)
+            direct = still.irradiance(position, self._surface.normal)
+            irradiance = direct.irradiance * clear_to(self._geometry, still, direct, self._surface)
             irradiance = (irradiance.view(self._hit.shape) * self._hit)[:, :-1]
             return irradiance + 1e-3 * irradiance.mean() + 1e-12
 

@@ -187,7 +187,7 @@ class SecondaryHits:
                 rays, surface, share = rays[some], surface.pick(some), share[some]
             direct = lamp.irradiance(surface.position, surface.normal)
             if not same_rays:
-                self._clear[row, rays] = _clear(self.geometry, lamp, direct, surface) * share
+                self._clear[row, rays] = clear_to(self.geometry, lamp, direct, surface) * share
             self.incoming[row, rays] = direct.irradiance * self._clear[row, rays]
 
     def _bounces(self, index: int) -> list[tuple[int, Tensor, Surface, Tensor]]:
@@ -238,13 +238,7 @@ class SecondaryHits:
         return torch.bmm(slots, one_hot) / self.count
 
 
-def shadowed_irradiance(geometry: RayGeometry, lamp: LightSource, surface: Surface) -> Tensor:
-    """Irradiance (N,) of a light on a surface, shadowed by one ray to its middle."""
-    direct = lamp.irradiance(surface.position, surface.normal)
-    return direct.irradiance * _clear(geometry, lamp, direct, surface)
-
-
-def _clear(geometry: RayGeometry, lamp: LightSource, direct: DirectIrradiance, surface: Surface) -> Tensor:
+def clear_to(geometry: RayGeometry, lamp: LightSource, direct: DirectIrradiance, surface: Surface) -> Tensor:
     """(N,) 1.0 where a ray from a surface to the light's middle passes, else 0.0.
 
     Where the light does not light the object, 0.0; elsewhere 1.0 if the light casts no shadows.
@@ -292,7 +286,9 @@ def through(
         met = hits.hit & (wall.material == surface.material[index])
         if not bool(met.any()):
             break
-        leaving = geometry.from_behind(hits, way)
+        # Rays leave where they meet triangles on the side that the shading normals look away from.
+        normals = geometry.normals[:, hits.triangle.clamp_min(0)]
+        leaving = dot(sum((normal.T for normal in normals), torch.zeros_like(way)), way) > 0
         bent, total = refract(way, wall.normal, ior)
         entered, _ = refract(way, wall.normal, 1.0 / ior)
         bent = torch.where(leaving, bent, entered)
