@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Colors as torch tensors (..., 3): spaces, CIEDE2000 differences, blackbody light, and look-up tables.
-
-Every conversion and difference is differentiable, and its gradient is finite everywhere.
-"""
+"""Colors as torch tensors (..., 3): spaces, CIEDE2000, blackbody light, look-up tables; differentiable, with finite gradients."""
 
 import math
 
@@ -153,10 +150,8 @@ _PARTS = 16
 
 
 def trilinear(table: Tensor, place: Tensor) -> Tensor:
-    """Values (C, N) of a table (1, C, D, H, W), interpolated trilinearly at places (N, 3) in [-1, 1], in the order (W, H, D).
-
-    Outside, values of the border go on. Places are split into a batch of `_PARTS`: torch's CPU kernel uses one core per member.
-    """
+    """Values (C, N) of a table (1, C, D, H, W), interpolated trilinearly at places (N, 3) in [-1, 1], in the order (W, H, D); clamped outside."""
+    # A batch of parts: torch's CPU kernel uses one core per member.
     parts = functional.pad(place, (0, 0, 0, -len(place) % _PARTS)).view(_PARTS, -1, 1, 1, 3)
     tables = table.expand(_PARTS, -1, -1, -1, -1)
     values = functional.grid_sample(tables, parts, padding_mode="border", align_corners=True)

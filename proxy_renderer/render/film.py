@@ -156,10 +156,7 @@ def falloff(width: int, height: int) -> Float[Tensor, "{height} {width} 1"]:
 
 
 def bloom(picture: Tensor) -> Tensor:
-    """Light (H, W, 3) that the Glare node would add at strength 1 to a linear image (H, W, 3).
-
-    If the highlights are even over the whole image, the added light equals them.
-    """
+    """Light (H, W, 3) that the Glare node would add at strength 1 to a linear image (H, W, 3); even highlights add their own light."""
     # Colors whose HSV value is lowered by the bloom threshold, with a smooth start.
     value = picture.amax(-1, keepdim=True)
     near = (BLOOM_SMOOTHNESS - (value - BLOOM_THRESHOLD).abs()).clamp_min(0) / BLOOM_SMOOTHNESS

@@ -203,10 +203,7 @@ class Proxy:
         return RenderState(view, cache, cache.view_samples(view), lamps, sky, shading_inputs, fog)
 
     def _cache_of(self, view: View, shading_inputs: list[ShadingInputs], lamps: list[LightSource]) -> ViewCache:
-        """The traced view, traced again if the view has changed or a light of a cluster begins to move.
-
-        If mirrors have changed, only what they show is traced again; if `fine`, everything is.
-        """
+        """The traced view, traced again if the view has changed or a light of a cluster begins to move; if mirrors have, only what they show."""
         metals = torch.stack([surfaces.mirror_weight(p) for p in shading_inputs])
         kept = self._cache
         if kept is not None and kept.signature == view.signature() and kept.clusters.hold(lamps):
@@ -225,10 +222,7 @@ class Proxy:
         return _resolve(frame, self._light(frame)[0])[0][:3]
 
     def _light(self, frame: RenderState) -> tuple[Tensor, Tensor | None]:
-        """Radiance of all samples behind fog, (3, N), and the fog's transmittance (N,), None without fog.
-
-        With a transparent film, the radiance is (4, N): the last row is coverage.
-        """
+        """Radiance (3, N) of all samples behind fog, (4, N) with coverage if the film is transparent; and the fog's transmittance (N,), or None."""
         direct_lights, table = surfaces.direct_lights_of(frame), surfaces.table_of(frame)
         gathered = self._gather(frame, table)
         radiance = surfaces.radiance(frame, direct_lights, table, gathered)

@@ -43,10 +43,7 @@ class Samples:
 
 
 class _Resolve(torch.autograd.Function):
-    """Weighted sum of samples per pixel, whose backward pass is a gather.
-
-    Pixels with one sample are mixed with their neighbors, which stand for what the pixel filter would cover.
-    """
+    """Weighted sum of samples per pixel, whose backward pass is a gather."""
 
     @staticmethod
     def forward(ctx, values, samples):
@@ -54,6 +51,7 @@ class _Resolve(torch.autograd.Function):
         weighted = values * samples.weight
         picture = weighted.index_select(1, samples.first)
         picture.index_add_(1, samples.pixel[samples.others], weighted.index_select(1, samples.others))
+        # Pixels with one sample are mixed with their neighbors, which stand for what the pixel filter would cover.
         return torch.where(samples.plain, _diffuse(picture, samples.size), picture)
 
     @staticmethod
@@ -219,10 +217,7 @@ def _before(far: Tensor, hits: Hits) -> Hits:
 
 
 def last_of(group: Tensor, order: Tensor, count: int) -> Tensor:
-    """For each of `count` groups, the member that comes last in `order`.
-
-    `group` (N,) has the group of each member, `order` is a permutation (N,) of the members. No group may be empty.
-    """
+    """For each of `count` groups, none empty, the member that comes last in `order` (N,); `group` (N,) has the group of each member."""
     rank = torch.arange(len(order), device=order.device)
     last = torch.zeros(count, dtype=torch.int64, device=order.device)
     # Not by assignment: which of several writes to one place wins is not defined.

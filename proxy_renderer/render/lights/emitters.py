@@ -132,10 +132,7 @@ def _radius(place: Tensor) -> Tensor:
 
 
 def _blob(place: Tensor, sides: Tensor) -> Tensor:
-    """True if points (3, n) are a round and closed surface, which looks like a sphere from any distance.
-
-    `sides` (n,) is how many sides of the surface are open at each point.
-    """
+    """True if points (3, n) are a round and closed surface, like a sphere from any distance; `sides` (n,) of it are open at each point."""
     if place.shape[1] < 4:
         return torch.tensor(False, device=place.device)
     spread = torch.linalg.eigvalsh(torch.cov(place))

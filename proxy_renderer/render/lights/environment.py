@@ -196,10 +196,7 @@ class Sky:
         return self._radiance(self.environment.soft, toward, self.turn)
 
     def reflected(self, mirrored: Tensor, normal: Tensor, view: Tensor, roughness: float) -> Tensor:
-        """Uncolored radiance (3, N) of the world that a rough surface reflects.
-
-        `mirrored` and `normal` (3, N) are unit vectors, `view` (7, N) is the albedo basis at the viewing cosine.
-        """
+        """Uncolored radiance (3, N) of the world that a rough surface reflects, by unit vectors (3, N) and the albedo basis `view` (7, N)."""
         if self.plain:
             return torch.ones_like(mirrored)
         leans, widths = torch.einsum("pkb,bn->pkn", taps(roughness).to(view), view)
@@ -301,10 +298,7 @@ def sky_of(environment: Environment, settings: RenderValues) -> Sky:
 
 
 def harmonics(toward: Tensor) -> Tensor:
-    """Real spherical harmonics up to degree 2, (9, N), of unit directions (3, N).
-
-    Order: 1, y, z, x, xy, yz, 3z^2 - 1, xz, x^2 - y^2 (Ramamoorthi and Hanrahan 2001).
-    """
+    """Real spherical harmonics (9, N) of unit directions (3, N): 1, y, z, x, xy, yz, 3z² - 1, xz, x² - y² (Ramamoorthi and Hanrahan 2001)."""
     x, y, z = toward.unbind(0)
     one = torch.full_like(x, 0.282095)
     linear = 0.488603 * y, 0.488603 * z, 0.488603 * x
@@ -343,11 +337,9 @@ def blurred_stack(picture: Tensor) -> Tensor:
 
 
 def blurred(picture: Tensor, roughness: float) -> Tensor:
-    """An image (3, H, 2H) averaged over the reflected GGX lobe seen head on (n = v = r).
-
-    The lobe's weight depends on the two rows and on the distance between the two columns. Along rows, the average is therefore a
-    convolution: a product of Fourier series.
-    """
+    """An image (3, H, 2H) averaged over the reflected GGX lobe seen head on (n = v = r)."""
+    # The lobe's weight depends on the two rows and on the distance between the two columns. Along rows, the average is therefore
+    # a convolution: a product of Fourier series.
     height, width = picture.shape[1:]
     elevation = ((torch.arange(height, device=picture.device) + 0.5) / height - 0.5) * math.pi
     apart = torch.arange(width, device=picture.device) * (2 * math.pi / width)

@@ -233,10 +233,7 @@ class MaterialTextures:
         return ((place > 0) & (place < 1)).all(0) & (depth > 0) & (open_ > 0)
 
     def _footprints(self, image: Tensor, place: Tensor) -> Tensor:
-        """An image's colors (3, N) at places (2, N), averaged over the distance to the next one, mostly the neighbor's in the image.
-
-        In a mirror, much of a texture may fall into one pixel.
-        """
+        """An image's colors (3, N), averaged over the way to the next place (2, N): in a mirror, much of a texture may fall into one pixel."""
         step = (place[:, 1:] - place[:, :-1]).abs().amax(0) * image.shape[-1]
         level = torch.cat((step, step[-1:])).clamp_min(1.0).log2().clamp_max(_LEVELS - 1)
         grid = (place * 2 - 1).T[None, None]

@@ -44,10 +44,7 @@ class ShadowEdges:
 
     @staticmethod
     def of(geometry: RayGeometry, samples: Samples, view: View, lamp: LightSource, visible: Tensor) -> ShadowEdges:
-        """Traces hard shadows of points of a light in pixels that show the light's penumbra; view and light are detached.
-
-        Samples see a share `visible` (N,) of the light.
-        """
+        """Traces hard shadows of points of a light in pixels of its penumbra; samples see a share `visible` (N,) of the light."""
         pixel_index = (samples.center_hits.hit & _penumbra(samples, visible)).nonzero()[:, 0]
         width = samples.size[0]
         centers = torch.stack((pixel_index % width, pixel_index // width)).to(torch.float32) + 0.5

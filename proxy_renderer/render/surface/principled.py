@@ -47,7 +47,7 @@ def shade(inputs: ShadingInputs, light: IncidentLight, texture: Float[Tensor, "3
         result, weight = result + metal * (weight * inputs.metallic), weight * (1 - inputs.metallic)
     if inputs.seen("is no metal", light.view, lambda: used(1 - inputs.metallic)):
         if inputs.uses("transmission", light.view):
-            glass = _glass(inputs, light, clamped, lobes, reflections, single)
+            glass = _glass(inputs, light, clamped, lobes, reflections, single[0])
             result = result + glass * (weight * inputs.transmission)
             weight = weight * (1 - inputs.transmission)
         layer = inputs.seen("dielectric", light.view, lambda: _dielectric(inputs, light.view, single))
@@ -115,12 +115,7 @@ def _dielectric(inputs: ShadingInputs, view: Tensor, single: tuple[Tensor, Tenso
 
 
 def _glass(
-    inputs: ShadingInputs,
-    light: IncidentLight,
-    base: Tensor,
-    lobes: Sequence[Tensor],
-    reflections: Tensor,
-    single: tuple[Tensor, Tensor],
+    inputs: ShadingInputs, light: IncidentLight, base: Tensor, lobes: Sequence[Tensor], reflections: Tensor, e: Tensor
 ) -> Tensor:
     """Solid glass, approximately: Fresnel reflection, and the radiance along the ray refracted through it."""
     ior = inputs.ior.clamp_min(1.0001)
@@ -131,7 +126,7 @@ def _glass(
     behind = light.behind if light.behind is not None else reflections
     # Rough glass blurs what is behind it. One ray shows no blur: mix towards the diffuse light instead.
     behind = torch.lerp(behind, light.reflected.images[-1], inputs.roughness)
-    return reflections * reflectance + direct / single[0] + behind * base * (1 - reflectance)
+    return reflections * reflectance + direct / e + behind * base * (1 - reflectance)
 
 
 def coat(inputs: ShadingInputs, light: IncidentLight) -> tuple[Float[Tensor, "3 n"], Float[Tensor, "*tinted n"]]:
@@ -227,10 +222,7 @@ def single_scattering(
 
 
 def multiple_scattering(fss: Float[Tensor, "*#n"], mean: Float[Tensor, "*#n"]) -> Float[Tensor, "*n"]:
-    """Fresnel factor of light that bounces between microfacets (Kulla and Conty 2017, appendix).
-
-    `fss` is the mean Fresnel reflectance, `mean` the mean single-scattering albedo.
-    """
+    """Fresnel factor of light between microfacets, from mean reflectance `fss` and mean albedo (Kulla and Conty 2017, appendix)."""
     return fss * mean / (1 - fss * (1 - mean))
 
 

@@ -87,7 +87,8 @@ class FogMedium:
         if not self._thins:
             return length
         # The mean of exp(−falloff · max(0, h)) for heights h from a to b.
-        a, b = (start[2] - self._top + toward[2] * end for end in (first, last))
+        height = start[2] - self._top
+        a, b = height + toward[2] * first, height + toward[2] * last
         rise = b - a
         level = rise.abs() <= 1e-3 * (a.abs() + b.abs())
         slope = (self._below(b) - self._below(a)) / torch.where(level, 1.0, rise)
@@ -189,10 +190,7 @@ class SingleScattering:
     def scatter(
         self, fog: FogMedium, view: View, near: float, lamps: Sequence[LightSource], world: Tensor
     ) -> FroxelGrid:
-        """The fog in front of a camera; up to a typical distance `near` in meters the segments are finest.
-
-        `world` is its blurred radiance (3, 14) from `DIRECTIONS`, or (3, 1) if it is even.
-        """
+        """The fog in front of a camera, finest up to a typical distance `near`, meters; `world` is its radiance (3, 14) or (3, 1) from `DIRECTIONS`."""
         eye = view.position.detach()
         away = [length(lamp.position.detach() - eye, 0.0) for lamp in lamps if not lamp.at_infinity]
         end = fog.reach(eye)
@@ -261,9 +259,6 @@ def phase(cosine: Tensor, g: Tensor) -> Tensor:
 
 
 def phase_shares(cosine: Tensor, g: Tensor) -> Tensor:
-    """Share (14, ...) of the scattered light that comes from each of `DIRECTIONS`, by cosines (14, ...).
-
-    The shares sum to 1: 14 directions miss much of a narrow lobe, whose energy would be lost.
-    """
+    """Share (14, ...) of the scattered light that comes from each of `DIRECTIONS`, by cosines (14, ...)."""
     lobe = phase(cosine, g) * WEIGHTS.to(cosine).view(-1, *[1] * (cosine.dim() - 1))
-    return lobe / lobe.sum(0)
+    return lobe / lobe.sum(0)  # 14 directions miss much of a narrow lobe, whose energy would be lost

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import torch
-from torch import Tensor
+from torch import Generator, Tensor
 
 from ..geometry.vectors import above, cosine_directions, cross, dot, reflect, tangents, unit
 from ..geometry.visibility import Hits, RayGeometry, Surface, shared_points
@@ -44,7 +44,7 @@ def glow_of(
     wide: Tensor,
     clusters: Mapping[int, Sequence[object]],
     materials: int,
-    generator: torch.Generator,
+    generator: Generator,
 ) -> GlowShares:
     """Finds the shares that glowing materials fill at the points of `lobes`.
 
@@ -67,16 +67,9 @@ class _Search:
     """Search for glowing surfaces from points, by one kind of rays; target points are chosen once, equally many for each material."""
 
     def __init__(
-        self,
-        geometry: RayGeometry,
-        points: Surface,
-        turn: Tensor,
-        glowing: Sequence[int],
-        ray: str,
-        generator: torch.Generator,
+        self, geometry: RayGeometry, points: Surface, turn: Tensor, glowing: list[int], ray: str, generator: Generator
     ) -> None:
-        self._geometry, self._points, self._ray, self._generator = geometry, points, ray, generator
-        self._turn = turn
+        self._geometry, self._points, self._ray, self._generator, self._turn = geometry, points, ray, generator, turn
         self._origin = geometry.lifted(points)
         self._targets: Hits | None = None
         # (F,) chosen points per square meter on each triangle; 0 where these rays see no glow.
@@ -137,10 +130,7 @@ class _Search:
         return found + self._weighed(materials, self._targets, self._toward, aimed, self._seen, False)
 
     def _weighed(self, materials: int, hits: Hits, toward: Tensor, lobe: Tensor, seen: Tensor, by_lobe: bool) -> Tensor:
-        """Sums (A, M) of rays, weighted by the power heuristic; the rays are drawn `by_lobe`, or else by target points.
-
-        `lobe` is the lobe's density along each ray, `seen` the share of light that arrives.
-        """
+        """Sums (A, M) of rays drawn `by_lobe` or else by target points, by the power heuristic; of densities, and shares of light that arrive."""
         index = (hits.hit & (seen > 0) & (self._density[hits.triangle.clamp_min(0)] > 0)).nonzero()[:, 0]
         triangle, distance = hits.triangle[index], hits.distance[index]
         a, b, c = (self._geometry.corners[k, triangle].T for k in range(3))

@@ -191,10 +191,7 @@ class SecondaryHits:
             self.incoming[row, rays] = direct.irradiance * self._clear[row, rays]
 
     def _bounces(self, index: int) -> list[tuple[int, Tensor, Surface, Tensor]]:
-        """First and second bounces of the light with an index.
-
-        Each is a row of `incoming`, indices of its rays, the surfaces that send them light, and the share of it that counts.
-        """
+        """First and second bounces of a light: row of `incoming`, indices of rays, the surfaces that send them light, share of it that counts."""
         first = index, self._matte, self._first, 1 - self.mirror_weight[self._matte]
         second = self.lamps + 2 + index
         return [first, *((second, rays, surface, self._share[rays]) for rays, surface in self._seconds)]
@@ -239,10 +236,7 @@ class SecondaryHits:
 
 
 def clear_to(geometry: RayGeometry, lamp: LightSource, direct: DirectIrradiance, surface: Surface) -> Tensor:
-    """(N,) 1.0 where a ray from a surface to the light's middle passes, else 0.0.
-
-    Where the light does not light the object, 0.0; elsewhere 1.0 if the light casts no shadows.
-    """
+    """(N,) 1.0 where a ray from a surface to the light's middle passes, or the light casts no shadows; 0.0 where it lights no such objects."""
     linked = lamp.lights(surface.object)
     if not lamp.light.shadow:
         return linked.to(torch.float32)
