@@ -29,12 +29,10 @@ from ..material import albedo
 from ..material.albedo import mirrored, unshadowed, visible_normals
 from .light_types import SunLight
 
-_ROUGH_HEIGHT = 48
-_SHARP_HEIGHT = 512
+_ROUGH_HEIGHT, _BLURRED_HEIGHT, _SEARCH_HEIGHT, _SHARP_HEIGHT = 48, 96, 128, 512  # rows of copies of the image
 _SOFT = 0.5  # roughness by which the world is blurred where only few directions are looked up
 SATIN, GLOSSY = 0.2, 0.4  # roughness of reflections between the mirror image and the diffuse light
 _FIRST_BLUR, _BLUR_STEP, _BLURS = 0.1, 0.1, 6  # roughness of the first blurred image, step, number
-_BLURRED_HEIGHT = 96
 _ROUGH = 0.3  # roughness from which lobes are so long that they need more parts
 _TAP_SIDE = 64  # squared: microfacet normals per integral
 _NARROWEST = 0.25  # least width of a round lobe over the long lobe's length: narrower ones are visible singly
@@ -45,7 +43,6 @@ _LEAST_SHARE = 0.12  # least irradiance from a sun over that from an even world 
 _LEAST_CONTRAST = 3.0  # least radiance of a sun, as a disc, relative to the mean of the world
 _RADII = (3.0, 6.0, 12.0, 20.0)  # degrees around a peak within which a sun may lie
 _MOST_OF = 0.8  # share of the light around a peak that a sun's radius contains
-_SEARCH_HEIGHT = 128
 
 
 @dataclass(frozen=True)
@@ -382,8 +379,7 @@ def _taps(cosine: float, alpha: float, count: int) -> Tensor:
     length = _median((lean - _median(lean, weight)).abs(), weight)
     width = torch.maximum(width, _NARROWEST * length)
     # A round lobe is as long as it is wide, so that the lobes' middles are closer together than the parts'.
-    center = middle.mean()
-    middle = center + (middle - center) * (1 - (width.mean() / length) ** 2).clamp_min(0.0).sqrt()
+    middle = middle.mean() + (middle - middle.mean()) * (1 - (width.mean() / length) ** 2).clamp_min(0.0).sqrt()
     # In slopes, half of a GGX lobe lies within alpha / sqrt(3) of a line through its middle.
     round_ = (math.sqrt(3) * (width / 2).tan()).sqrt()
     return torch.stack((middle.clamp_max(1.4).tan() / sine[0], round_))

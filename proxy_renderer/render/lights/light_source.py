@@ -68,8 +68,8 @@ class LightSource(ABC):
     segment_parts: ClassVar[int] = 1  # number of parts that a segment of fog has for its light
 
     @classmethod
-    def of(cls, light: Light, scene: SceneData, values: RenderValues) -> Self:
-        """A scene's light at the values of one render."""
+    def of(cls, light: Light, scene: SceneData, values: RenderValues, **more: Tensor) -> Self:
+        """A scene's light at the values of one render; `more` are fields of its type."""
         key = f"light/{light.name}/"
         azimuth, elevation = values.scalar(key + "azimuth"), values.scalar(key + "elevation")
         energy = values.scalar(key + cls.energy_name, 1.0)
@@ -88,7 +88,7 @@ class LightSource(ABC):
         else:
             axes = frame(azimuth, elevation) @ axes
             position = pivot + distance * direction(azimuth, elevation)
-        return cls(light, color, position, axes, within(size, 0.0, math.inf), owner=f"light/{light.name}")
+        return cls(light, color, position, axes, within(size, 0.0, math.inf), owner=f"light/{light.name}", **more)
 
     @staticmethod
     def read_size(light: Light, values: RenderValues) -> Float[Tensor, ""]:

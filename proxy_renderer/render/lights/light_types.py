@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import ClassVar
 
@@ -86,19 +86,14 @@ class PointLight(LightSource):
 class SpotLight(PointLight):
     """A point light that shines into a cone; inside it is as bright as a point light of the same power."""
 
-    # () full opening angle, radians; by default that of `light`
-    cone: Float[Tensor, ""] = field(default_factory=lambda: torch.tensor(math.nan))
+    cone: Float[Tensor, ""] = field(kw_only=True)  # () full opening angle, radians
     segment_parts: ClassVar[int] = 4  # its cone has an edge
 
-    def __post_init__(self) -> None:
-        if self.cone.isnan():
-            object.__setattr__(self, "cone", self.size.new_tensor(self.light.spot_size))
-
     @classmethod
-    def of(cls, light: Light, scene: SceneData, values: RenderValues) -> SpotLight:
+    def of(cls, light: Light, scene: SceneData, values: RenderValues, **more: Tensor) -> SpotLight:
         """See `LightSource.of`."""
         opening = values.scalar(f"light/{light.name}/cone", math.degrees(light.spot_size))
-        return replace(super().of(light, scene, values), cone=torch.deg2rad(opening))
+        return super().of(light, scene, values, cone=torch.deg2rad(opening), **more)
 
     @property
     def placement(self) -> dict[str, Tensor]:

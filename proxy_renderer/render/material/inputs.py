@@ -22,6 +22,7 @@ from ..geometry.visibility import RayGeometry, Surface
 T = TypeVar("T")
 
 _UNIT_INPUTS = ("metallic", "roughness", "coat", "transmission")  # from 0 to 1, may vary over a surface
+_LEVELS = 7  # sizes of a texture, each half of the one before
 
 
 @dataclass(frozen=True)
@@ -106,11 +107,8 @@ def shading_inputs_of(
     material: Material, settings: RenderValues, kept: dict[str, tuple[Tensor, Any]] | None = None
 ) -> ShadingInputs:
     """The shading inputs of one material; `kept` is where they keep terms computed from them."""
-    key = f"material/{material.name}/"
-    constants = material.constants
-    textured = material.texture is not None
+    key, constants, textured = f"material/{material.name}/", material.constants, material.texture is not None
     base = settings.color(key + ("tint" if textured else "base_color"), 1.0 if textured else 0.8)
-
     glow_tint = settings.color(key + "emission_color", 1.0)
     glow_factor = settings.scalar(key + "emission")
     color, strength = (material.maps.get(name) for name in ("emission_color", "emission"))
@@ -154,9 +152,6 @@ def used(weight: Tensor) -> bool:
     return needs_gradient(weight) or bool((weight != 0).any())
 
 
-_LEVELS = 7  # sizes of a texture, each half of the one before
-
-
 class MaterialTextures:
     """All textures of a scene's materials; those baked from the exported camera are downsampled to the size of the render."""
 
@@ -184,9 +179,8 @@ class MaterialTextures:
         if texture.extension == "REPEAT":
             place = place - place.detach().floor()
         padding = "zeros" if texture.extension == "CLIP" else "border"
-        image = self._images[material, name]
         grid = (place * 2 - 1).T[None, None]
-        return grid_sample(image, grid, padding_mode=padding, align_corners=False)[0, :, 0]
+        return grid_sample(self._images[material, name], grid, padding_mode=padding, align_corners=False)[0, :, 0]
 
     def _place(self, texture: Texture, surface: Surface) -> Tensor:
         """Texture coordinates (2, N) of points, [0, 1] from the lower left."""
