@@ -9,12 +9,10 @@ from ..schema import Values
 from . import constants as c
 from .constants import Lab
 
-_HEX = re.compile("#[0-9a-fA-F]{6}")
-
 
 def is_hex(text: str) -> bool:
     """True if a text is a color as "#rrggbb"."""
-    return bool(_HEX.fullmatch(text))
+    return bool(re.fullmatch("#[0-9a-fA-F]{6}", text))
 
 
 def srgb_from_hex(text: str) -> Values:

@@ -224,12 +224,9 @@ def look_up(
 ) -> Tensor:
     """Weighted averages (C, N) of an image's fields (C, P) around places (2, N) in pixels.
 
-    Args:
-        guide: (H, W) number of what each pixel shows, see `_names`.
-        names: (N,) number that a pixel must have to count at a place.
-        neutral: (C,) result where no pixel near the place has that number.
-        stops: Brightness of the pixels (P,) and of the places (N,). If given, only pixels about as bright count, so that fields
-            of a highlight stay in the highlight.
+    Only pixels count whose number in the guide (H, W), see `_names`, is the place's in `names` (N,); the result is `neutral` (C,)
+    where there are none nearby. With `stops`, the brightness of the pixels (P,) and of the places (N,), only pixels about as bright
+    count, so that fields of a highlight stay in the highlight.
     """
     height, width = guide.shape
     # Pixels whose neighbors show something else weigh little.

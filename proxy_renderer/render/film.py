@@ -39,17 +39,14 @@ class Film:
         self._gain = spec.gain
         self._compositor: Tensor | None = None  # (1, 3, S, S, S), with values in stops, as its axes are
         if spec.compositor is not None:
-            table = torch.from_numpy(spec.compositor).permute(3, 0, 1, 2)
-            self._compositor = table[None].contiguous().to(device)
+            self._compositor = torch.from_numpy(spec.compositor).permute(3, 0, 1, 2)[None].contiguous().to(device)
         self._falloff = falloff(*size).to(device)
 
     def develop(self, linear: Tensor, values: Mapping[str, Tensor], alpha: Tensor | None = None) -> Tensor:
         """Display-encoded image (H, W, 3) in [0, 1]; transparent parts are black.
 
-        Args:
-            linear: (H, W, 3) scene-linear light before the grade, multiplied by alpha.
-            values: Parameter key to components; missing ones are neutral.
-            alpha: (H, W) coverage; None if the film shows the background.
+        `linear` (H, W, 3) is scene-linear light before the grade, multiplied by `alpha` (H, W), the coverage; None if the film shows
+        the background. `values` maps parameter keys to components; missing ones are neutral.
         """
         graded = self.grade(linear, values)
         if alpha is None:

@@ -102,8 +102,7 @@ class Proxy:
         """Applies grade and view transform to the result of `expose`; of the values, only the film's are used."""
         settings = RenderValues(self.scene, values, self.device)
         film = {key: settings.color(key) for key in _FILM_KEYS if key in values or key in self.scene.instances}
-        display = self.film.develop(latent.linear, film, latent.alpha)
-        return Render(display=display, **vars(latent))
+        return Render(display=self.film.develop(latent.linear, film, latent.alpha), **vars(latent))
 
     def expose(self, values: Mapping[str, Tensor], cache: ViewCache | None = None) -> LatentImage:
         """Renders the scene without grade and view transform; values of the film are ignored.
@@ -121,8 +120,7 @@ class Proxy:
             others = {k: v for k, v in self.correction.values.items() if not k.startswith("camera/")}
             there = {**others, **{k: v.detach() for k, v in values.items() if k.startswith("camera/")}}
             current = frame.owners, frame.view, frame.cache, lambda: self._light(self._frame(there, frame.cache))[0][:3]
-            corrected = self.correction.samples(radiance[:3], *current)
-            radiance = torch.cat((corrected, radiance[3:]))
+            radiance = torch.cat((self.correction.samples(radiance[:3], *current), radiance[3:]))
         picture, mask = _resolve(frame, radiance)
         if self.correction and fits:
             picture = torch.cat((self.correction.pixels(picture[:3], frame.owners), picture[3:]))
@@ -139,19 +137,18 @@ class Proxy:
             clear = _transmittance(frame, passing)
             # Radiance (3, N) if every surface were diffuse with an albedo of 0.5; black where the world is seen.
             direct_lights, table = surfaces.direct_lights_of(frame), surfaces.table_of(frame)
-            received = surfaces.irradiance(frame, direct_lights, self._gather(frame, table)) / (2 * math.pi)
+            direct = surfaces.direct(list(zip(frame.lamps, direct_lights, strict=True)))
+            received = (self._gather(frame, table).irradiance + direct) / (2 * math.pi)
             gray = functional.pad(received, (0, frame.cache.samples.place.shape[1] - received.shape[1]))
             gray = gray * (1.0 if passing is None else passing) + light
             linear = _resolve(frame, gray)[0].view(3, *clear.shape).permute(1, 2, 0)
             latent = LatentImage(linear=linear, mask=clear, depth=clear, transmittance=clear)
-            shown = self.develop(latent, values)
-            return frame.cache.gbuffer(frame.view, clear, shown.display)
+            return frame.cache.gbuffer(frame.view, clear, self.develop(latent, values).display)
 
     def anchor(self, values: Mapping[str, Tensor], picture: CyclesPicture) -> Correction:
         """Makes Cycles' image of these values correct all further renders; raises VibeError if its size is not the proxy's."""
         if picture.size != self.size:
-            remedy = "Ask for that size."
-            raise VibeError(f"Cycles' picture has {picture.size} pixels instead of {self.size}.", remedy)
+            raise VibeError(f"Cycles' picture has {picture.size} pixels instead of {self.size}.", "Ask for that size.")
         with torch.no_grad():
             frame = self._frame(values)
             whole, colors = self._picture(frame), frame.owners
@@ -190,8 +187,7 @@ class Proxy:
             shading_inputs.append(self._made.of(f"material/{material.name}", settings, made))
         if cache is None:
             # The traced view is dropped if a glass has changed, or a surface glows for the first time.
-            glass = torch.stack([surfaces.glass_transmittance(p) for p in shading_inputs])
-            if self.geometry.let_through(glass):
+            if self.geometry.let_through(torch.stack([surfaces.glass_transmittance(p) for p in shading_inputs])):
                 self._cache, self.volume = None, SingleScattering(self.geometry.clear)
             if self.emitters.notice(shading_inputs):
                 self._cache = None
@@ -213,8 +209,7 @@ class Proxy:
                 self._cache = kept.with_mirrors(metals)
                 return self._cache
         smooth = torch.stack([surfaces.sharp(p) & self.fine for p in shading_inputs])
-        shape = metals, smooth, lamps, self.emitters
-        self._cache = ViewCache(self.scene, self.geometry, view, *shape, self.seed)
+        self._cache = ViewCache(self.scene, self.geometry, view, metals, smooth, lamps, self.emitters, self.seed)
         return self._cache
 
     def _picture(self, frame: RenderState) -> Tensor:
@@ -224,8 +219,7 @@ class Proxy:
     def _light(self, frame: RenderState) -> tuple[Tensor, Tensor | None]:
         """Radiance (3, N) of all samples behind fog, (4, N) with coverage if the film is transparent; and the fog's transmittance (N,), or None."""
         direct_lights, table = surfaces.direct_lights_of(frame), surfaces.table_of(frame)
-        gathered = self._gather(frame, table)
-        radiance = surfaces.radiance(frame, direct_lights, table, gathered)
+        radiance = surfaces.radiance(frame, direct_lights, table, self._gather(frame, table))
         if not frame.fog.active:
             return radiance, None
         light, passing = self._through_fog(frame)

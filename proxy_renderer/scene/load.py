@@ -135,8 +135,7 @@ def _mesh(path: Path, materials: int, objects: int) -> data.SceneMesh:
     arrays = _drop_broken(arrays)
     if not len(arrays["faces"]):
         raise VibeError("The scene has no mesh that can be rendered.", "Add a mesh, or make one visible.")
-    mesh = next((known for known in tuple(_meshes) if _is_alike(known, arrays)), None)
-    mesh = mesh or data.SceneMesh(**arrays)
+    mesh = next((known for known in tuple(_meshes) if _is_alike(known, arrays)), None) or data.SceneMesh(**arrays)
     _meshes.add(mesh)
     return mesh
 

@@ -81,5 +81,4 @@ class Remembered:
         given = values.by_owner.get(owner, {})
         if needs_gradient(*given.values()):
             return make()
-        key = tuple((name, values.numbers[name]) for name in given)
-        return self._recent.of((owner, number), key, make)
+        return self._recent.of((owner, number), tuple((name, values.numbers[name]) for name in given), make)

@@ -116,7 +116,9 @@ def test_ellipses_are_integrated():
 def test_the_highlight_of_a_low_sun_is_as_wide_as_it(aside):
     """Taken for a disc of slopes it is wrong by a factor of five in the middle, and of two beside."""
     sun = EnvironmentSun(toward(aside, 12.0), torch.ones(3), math.radians(8.0))
-    lamp = sun.lamp(0, torch.ones(3), torch.zeros(()))
+    environment = Environment.__new__(Environment)
+    environment.hidden, environment.suns = (), [sun]
+    lamp = Sky(environment, torch.ones(3), torch.zeros(()), torch.ones(3), torch.zeros(())).lamps[0]
     for elevation in (8.0, 15.0, 25.0):
         ways, weights = lobe_of(elevation, 0.35, 400)
         inside = sun.toward @ ways > math.cos(sun.angle / 2)

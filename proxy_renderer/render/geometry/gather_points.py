@@ -118,8 +118,7 @@ class GatherPoints:
         rows, columns = self._lists.shape[:2]
         limit = place.new_tensor([[columns], [rows]]) - 0.5
         inside = torch.minimum((place / self._stride).clamp_min(0.5), limit)
-        points = _Places(inside, surface, distance * (2.0 / max(columns, rows)))
-        return self._weights(points, chosen=chosen)
+        return self._weights(_Places(inside, surface, distance * (2.0 / max(columns, rows))), chosen=chosen)
 
     def _weights(
         self,
@@ -131,11 +130,9 @@ class GatherPoints:
     ) -> SparseWeights:
         """Weights from the gather points that fit each point's normal, plane and place best.
 
-        Args:
-            window: Offsets of the cells to search, along both axes: from a point's own cell if their number is odd, else from
-                the upper left of the four cells whose middles surround it.
-            nearest: Number of gather points that are kept for a point.
-            width: Distance in cells at which a weight has faded.
+        The `window` has offsets of the cells to search, along both axes: from a point's own cell if their number is odd, else from
+        the upper left of the four cells whose middles surround it. The `nearest` gather points are kept for a point. A weight has
+        faded at a distance of `width` cells.
         """
         lists, count = self._lists, points.place.shape[1]
         rows = torch.arange(count, device=lists.device) if chosen is None else chosen.nonzero()[:, 0]
@@ -158,8 +155,7 @@ class GatherPoints:
                 cells = near[:, group].flatten()
                 columns = (lists[:, :, i].flatten() for i in range(n))
                 candidates = torch.cat([c.index_select(0, cells).view(len(near), -1) for c in columns])
-                pair = _best(self._gather_points, points.pick(group), candidates, nearest, width)
-                best[group], weight[group] = pair
+                best[group], weight[group] = _best(self._gather_points, points.pick(group), candidates, nearest, width)
         weight = weight / weight.sum(1, keepdim=True).clamp_min(1e-20)
         return SparseWeights(rows, best, weight, (count, len(self.index)))
 

@@ -192,7 +192,7 @@ def follow(geometry: RayGeometry, view: View, origin: Tensor, toward: Tensor) ->
         return HitLayers(index, torch.zeros_like(index), hits, left)
     collected: list[HitLayers] = []
     for number in range(_MOST_LAYERS):
-        alpha = geometry.opacity.at(geometry.surface(hits, toward[:, index]), by_camera=number == 0)
+        alpha = geometry.opacity(geometry.surface(hits, toward[:, index]), by_camera=number == 0)
         alpha = torch.where(hits.hit, alpha, 1.0)
         rest = left * (1 - alpha)
         ends = (rest < _FAINT) | (number == _MOST_LAYERS - 1)
@@ -204,8 +204,7 @@ def follow(geometry: RayGeometry, view: View, origin: Tensor, toward: Tensor) ->
             break
         # A share that is too faint to count goes to the next hit of the ray.
         index, left = index[onward], torch.where(counts, rest, left)[onward]
-        further = geometry.onward(hits.pick(onward), origin[:, index], toward[:, index], "camera")
-        hits = _before(far[index], further)
+        hits = _before(far[index], geometry.onward(hits.pick(onward), origin[:, index], toward[:, index], "camera"))
     return HitLayers.joined(collected)
 
 

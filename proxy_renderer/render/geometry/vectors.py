@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Planar vectors (3, N), computed by component: torch's reductions over a leading axis of three are about ten times slower.
-
-Also directions of secondary rays, and two ways of limiting that keep gradients where `torch.clamp` would lose them.
-"""
+"""Planar vectors (3, N), computed by component: torch's reductions over a leading axis of three are about ten times slower."""
 
 from __future__ import annotations
 
@@ -72,11 +69,6 @@ def cross(a: Tensor, b: Tensor) -> Tensor:
     """Vector products (3, N) of vectors (3, N)."""
     (ax, ay, az), (bx, by, bz) = a.unbind(0), b.unbind(0)
     return torch.stack((ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx))
-
-
-def damped(value: Tensor, share: Tensor) -> Tensor:
-    """The value itself, with its gradient multiplied by a share."""
-    return torch.lerp(value.detach(), value, share.detach()) if value.requires_grad else value
 
 
 def within(value: Tensor, low: float, high: float) -> Tensor:

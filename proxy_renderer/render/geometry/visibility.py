@@ -6,10 +6,10 @@ from __future__ import annotations
 import functools
 import hashlib
 import weakref
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import torch
@@ -18,7 +18,7 @@ from embreex.mesh_construction import TriangleMesh
 from torch import Tensor
 
 from ...scene import SceneMesh
-from .vectors import PointSet, cross, damped, dot, unit
+from .vectors import PointSet, cross, dot, unit
 
 RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")  # an object may be hidden from them
 
@@ -131,16 +131,8 @@ class Hits(PointSet):
         return self.triangle >= 0
 
 
-class Opacity(Protocol):
-    """Interface of the alpha of the scene's materials, for rays; implemented by `material.inputs.MaterialOpacity`."""
-
-    @property
-    def clear(self) -> Tensor:
-        """(M,) bool: materials that are not opaque everywhere."""
-
-    def at(self, surface: Surface, by_camera: bool = False) -> Tensor:
-        """Alpha (N,) of surface points; `by_camera` if the exported camera sees them directly."""
-
+Opacity = Callable[..., Tensor]
+"""Maps a `Surface` to alpha (N,); with `by_camera=True` as the exported camera sees it directly (`MaterialOpacity.at`)."""
 
 _on_device: weakref.WeakKeyDictionary[SceneMesh, dict[torch.device, tuple[Any, ...]]] = weakref.WeakKeyDictionary()
 """Corners, normals, UVs, materials, objects and size of each mesh by device; all renderers of the mesh share them."""
@@ -156,14 +148,14 @@ class RayGeometry:
         material, object: (F,) int64.
         opacity: Alpha of materials; None if all are opaque.
         glass: (M,) share of refracted light that passes a surface of each material. Materials that are `glassy` (M,) count as
-            transparent even where this is 0.
+            transparent even where this is 0, as those do that are `clear` (M,): not opaque everywhere.
         size: Diagonal of the bounding box in meters; offsets and tolerances are relative to it.
     """
 
     def __init__(
-        self, mesh: SceneMesh, hidden: list[frozenset[str]], opacity: Opacity, glassy: Tensor, device: torch.device
+        self, mesh: SceneMesh, hidden: list[frozenset[str]], opacity: Opacity, clear: Tensor, glassy: Tensor
     ) -> None:
-        self.device = device
+        self.device = device = clear.device
         arrays = _on_device.setdefault(mesh, {})
         if device not in arrays:  # on the CPU, they share the mesh's memory where possible
             places = mesh.vertices[mesh.faces]
@@ -171,9 +163,9 @@ class RayGeometry:
             owners = (torch.from_numpy(each).to(device, torch.int64) for each in (mesh.material, mesh.object))
             arrays[device] = *fields, *owners, float(np.linalg.norm(places.max((0, 1)) - places.min((0, 1))))
         self.corners, self.normals, self.uvs, self.material, self.object, self.size = arrays[device]
-        self.opacity = opacity if bool(opacity.clear[self.material].any()) else None
-        self.glass = torch.zeros(len(opacity.clear), device=device)
-        self._mesh, self._hidden, self._glassy = mesh, hidden, glassy.to(device)
+        self.opacity = opacity if bool(clear[self.material].any()) else None
+        self.glass = torch.zeros(len(clear), device=device)
+        self._mesh, self._hidden, self._clear = mesh, hidden, clear | glassy.to(device)
         self._apart: frozenset[int] = frozenset()
         self._sort()
 
@@ -192,15 +184,13 @@ class RayGeometry:
             self._sort()
 
     def _sort(self) -> None:
-        glassy = self._glassy | (self.glass > 0)
-        clear = glassy if self.opacity is None else self.opacity.clear | glassy
+        clear = self._clear | (self.glass > 0)
         self._classes = classes_of(self._mesh, self._hidden, clear.cpu().numpy(), self._apart)
         self._filter = any(c.clear for c in self._classes)
 
     def visible_to(self, ray: str) -> Tensor:
         """(F,) bool: triangles that a kind of rays meets."""
-        met = torch.tensor([ray not in hidden for hidden in self._hidden], device=self.device)
-        return met[self.object]
+        return torch.tensor([ray not in hidden for hidden in self._hidden], device=self.device)[self.object]
 
     def first_hits(self, origin: Tensor, toward: Tensor, ray: str, numbers: Tensor | None = None) -> Hits:
         """First hits of rays (3, N) of a kind.
@@ -216,8 +206,7 @@ class RayGeometry:
         for _ in range(_LAYERS):
             current = hits.pick(index)
             stopping = self.stopping(self.surface(current, toward[:, index]), toward[:, index])
-            passes = current.hit & (stopping <= chance[index])
-            index = index[passes]
+            index = index[current.hit & (stopping <= chance[index])]
             if not len(index):
                 break
             further = self.onward(hits.pick(index), origin[:, index], toward[:, index], ray)
@@ -272,7 +261,7 @@ class RayGeometry:
 
     def stopping(self, surface: Surface, toward: Tensor) -> Tensor:
         """Share (N,) of light along rays (3, N) that a surface stops; glass stops more at grazing angles, so that its rim casts a shadow."""
-        solid = 1.0 if self.opacity is None else self.opacity.at(surface)
+        solid = 1.0 if self.opacity is None else self.opacity(surface)
         through = self.glass[surface.material] * dot(surface.normal, toward).abs()
         return solid * (1 - through)
 
@@ -296,7 +285,8 @@ class RayGeometry:
         inverse = torch.where(flat, 0.0, 1 / torch.where(flat, 1.0, determinant))
         facet = unit(cross(e1, e2), 1e-15)
         damping = (dot(facet, toward.detach()).abs() / _GRAZING).clamp_max(1.0) ** 2
-        u, v = (damped(w * inverse, damping) for w in (dot(offset, p), dot(toward, q)))
+        u, v = dot(offset, p) * inverse, dot(toward, q) * inverse
+        u, v = (torch.lerp(weight.detach(), weight, damping) for weight in (u, v))  # the same, with damped gradients
         return self.interpolate(hits.triangle, torch.stack((1 - u - v, u, v)), toward)
 
     def interpolate(self, triangle: Tensor, weights: Tensor, toward: Tensor) -> Surface:

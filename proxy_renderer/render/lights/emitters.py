@@ -120,8 +120,7 @@ def _points(geometry: RayGeometry, triangles: Tensor) -> tuple[Tensor, Tensor, f
 def _open(geometry: RayGeometry, material: int, place: Tensor, side: Tensor) -> Tensor:
     """(P,) 1 where a random ray that leaves a point to the side of the unit vector `side` (3, P) misses the same material, else 0."""
     uv = torch.rand((2, place.shape[1]), generator=torch.Generator().manual_seed(4)).to(place.device)
-    toward = cosine_directions(side, uv)
-    hits = geometry.nearest(place + side * (1e-5 * geometry.size), toward, "diffuse")
+    hits = geometry.nearest(place + side * (1e-5 * geometry.size), cosine_directions(side, uv), "diffuse")
     own = hits.hit & (geometry.material[hits.triangle.clamp_min(0)] == material)
     return (~own).to(place.dtype)
 
@@ -157,5 +156,4 @@ def _cluster(
     light = Light(f"emitter/{material}/{number}", "POINT", IDENTITY, (0.0, 0.0, 0.0), soft_falloff=False)
     ones, axes = torch.ones(3, device=place.device), torch.eye(3, device=place.device)
     place_and_form = place.mean(1), axes, _radius(place), form, lean
-    lamp = EmitterLight(light, ones, *place_and_form, pictured=True, shadowless=material)
-    return lamp, 2 * math.pi * whole
+    return EmitterLight(light, ones, *place_and_form, pictured=True, shadowless=material), 2 * math.pi * whole

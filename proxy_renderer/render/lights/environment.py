@@ -222,8 +222,7 @@ class Sky:
             return self.backdrop_color[:, None]
         share = ((height - self.environment.horizon) / (1.0 - self.environment.horizon)).clamp(0.0, 1.0)
         smooth = share * share * (3.0 - 2.0 * share)
-        tint = self.horizon[:, None] + (1.0 - self.horizon[:, None]) * smooth
-        return self.backdrop_color[:, None] * tint
+        return self.backdrop_color[:, None] * (self.horizon[:, None] + (1.0 - self.horizon[:, None]) * smooth)
 
     def _radiance(self, picture: Tensor | None, toward: Tensor, turn: Tensor) -> Tensor:
         """Radiance (3, N) of a turned image in directions (3, N); 1 if there is no image."""

@@ -68,12 +68,11 @@ class LightSource(ABC):
     segment_parts: ClassVar[int] = 1  # number of parts that a segment of fog has for its light
 
     @classmethod
-    def of(cls, light: Light, scene: SceneData, values: RenderValues, **more: Tensor) -> Self:
+    def of(cls, light: Light, scene: SceneData, values: RenderValues, **more: Any) -> Self:
         """A scene's light at the values of one render; `more` are fields of its type."""
         key = f"light/{light.name}/"
         azimuth, elevation = values.scalar(key + "azimuth"), values.scalar(key + "elevation")
-        energy = values.scalar(key + cls.energy_name, 1.0)
-        color = values.color(key + "color", 1.0) * (energy * 2.0**light.exposure)
+        color = values.color(key + "color", 1.0) * (values.scalar(key + cls.energy_name, 1.0) * 2.0**light.exposure)
         temperature = values.scalar(key + "temperature", 6500.0)
         if light.use_temperature or needs_gradient(temperature) or float(temperature.detach()) != 6500.0:
             color = color * blackbody(temperature)

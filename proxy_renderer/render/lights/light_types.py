@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import partial
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import torch
 from jaxtyping import Float
@@ -70,8 +70,7 @@ class PointLight(LightSource):
 
     def shadow_targets(self, direct: DirectIrradiance, uv: Float[Tensor, "2 n"]) -> tuple[Vectors, Numbers]:
         """See `LightSource.shadow_targets`: points of the disc that faces the shaded point."""
-        offset = disc_offsets(direct.toward, direct.solid_angle, uv) * direct.distance
-        target = direct.toward * direct.distance + offset
+        target = direct.toward * direct.distance + disc_offsets(direct.toward, direct.solid_angle, uv) * direct.distance
         away = length(target)
         return target / away, away
 
@@ -90,7 +89,7 @@ class SpotLight(PointLight):
     segment_parts: ClassVar[int] = 4  # its cone has an edge
 
     @classmethod
-    def of(cls, light: Light, scene: SceneData, values: RenderValues, **more: Tensor) -> SpotLight:
+    def of(cls, light: Light, scene: SceneData, values: RenderValues, **more: Any) -> SpotLight:
         """See `LightSource.of`."""
         opening = values.scalar(f"light/{light.name}/cone", math.degrees(light.spot_size))
         return super().of(light, scene, values, cone=torch.deg2rad(opening), **more)
@@ -184,8 +183,7 @@ class AreaLight(LightSource):
 
     def in_scattering(self, segments: RaySegments, parts: int) -> SegmentLight:
         """See `LightSource.in_scattering`."""
-        back = self.axes[:, 2]
-        return equiangular(segments, self.position, self.size * 0.25, back, parts, self._intensity)
+        return equiangular(segments, self.position, self.size * 0.25, self.axes[:, 2], parts, self._intensity)
 
     def _intensity(self, toward: Tensor) -> Tensor:
         facing = (self.axes[:, 2] @ toward).clamp_min(0)

@@ -71,8 +71,7 @@ class LightClusters:
         """Clusters lights by what they send to a surface; few lights, the strongest, and those that move stay alone."""
         if len(lamps) <= EXACT or not len(surface.material):
             return LightClusters([LightCluster((i,), (1.0,)) for i in range(len(lamps))])
-        chosen = torch.linspace(0, len(surface.material) - 1, _POINTS).long()
-        some = surface.pick(chosen.to(surface.material.device))
+        some = surface.pick(torch.linspace(0, len(surface.material) - 1, _POINTS).long().to(surface.material.device))
         still = [lamp.detached() for lamp in lamps]
         sent = torch.stack([lamp.irradiance(some.position, some.normal).irradiance for lamp in still])
         colors = torch.stack([lamp.color.detach() for lamp in lamps])
@@ -198,8 +197,7 @@ def cluster_shadow(
     surface, device = smoothing.surface, chance.device
     count = len(surface.material)
     generator = torch.Generator().manual_seed(12)
-    jitter = torch.rand((count, _CLUSTER_RAYS), generator=generator)
-    strata = (torch.arange(_CLUSTER_RAYS) + jitter) / _CLUSTER_RAYS
+    strata = (torch.arange(_CLUSTER_RAYS) + torch.rand((count, _CLUSTER_RAYS), generator=generator)) / _CLUSTER_RAYS
     chosen = torch.searchsorted(chance.cumsum(0), strata.to(device)).clamp_max(len(members) - 1)
     spots = sphere_points(_CLUSTER_RAYS, count, generator).to(device)
     seen, whole = torch.zeros((2, count), device=device)

@@ -95,8 +95,7 @@ def _between(table: Tensor, place: Tensor) -> Tensor:
 
 def fit(values: Tensor) -> Tensor:
     """Least-squares coefficients (..., 7) of functions given at `COSINES` (..., 24)."""
-    matrix = basis(torch.tensor(COSINES)).T.double()
-    return (torch.linalg.pinv(matrix) @ values.double()[..., None])[..., 0].float()
+    return (torch.linalg.pinv(basis(torch.tensor(COSINES)).T.double()) @ values.double()[..., None])[..., 0].float()
 
 
 @functools.cache

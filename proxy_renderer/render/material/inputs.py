@@ -85,8 +85,7 @@ class ShadingInputs:
         if "emission" in textured:
             given["strength"] = textured["emission"][0].clamp_min(0.0) * self.glow_factor
         if "emission_color" in textured:
-            glow = textured["emission_color"]
-            given["emission_color"] = _grayed(glow, self.glow_recolor) * self.glow_tint[:, None]
+            given["emission_color"] = _grayed(textured["emission_color"], self.glow_recolor) * self.glow_tint[:, None]
         return replace(self, **given)
 
     def colored(self, texture: Tensor | None) -> Tensor:
@@ -222,8 +221,7 @@ class MaterialTextures:
         if self._view.orthographic:
             offset = ahead * depth
         distance = length(offset)
-        start = surface.position - offset
-        open_ = geometry.clear(start, offset / distance, distance * (1 - 1e-3), ray="camera")
+        open_ = geometry.clear(surface.position - offset, offset / distance, distance * (1 - 1e-3), ray="camera")
         return ((place > 0) & (place < 1)).all(0) & (depth > 0) & (open_ > 0)
 
     def _footprints(self, image: Tensor, place: Tensor) -> Tensor:
@@ -234,8 +232,7 @@ class MaterialTextures:
         result = torch.zeros((3, place.shape[1]), device=place.device)
         for number in range(_LEVELS):
             share = (1 - (level - number).abs()).clamp_min(0.0)
-            sampled = grid_sample(image, grid, padding_mode="border", align_corners=False)[0, :, 0]
-            result = result + sampled * share
+            result = result + grid_sample(image, grid, padding_mode="border", align_corners=False)[0, :, 0] * share
             image = interpolate(image, scale_factor=0.5, mode="area") if min(image.shape[2:]) > 1 else image
         return result
 
@@ -254,8 +251,7 @@ def _image(texture: Texture, device: torch.device, size: tuple[int, int] | None)
         return image
     left, bottom, right, top = texture.window
     wanted = max(1, round(size[1] * (top - bottom))), max(1, round(size[0] * (right - left)))
-    smaller = min(wanted[0], image.shape[2]), min(wanted[1], image.shape[3])
-    return interpolate(image, smaller, mode="area")
+    return interpolate(image, (min(wanted[0], image.shape[2]), min(wanted[1], image.shape[3])), mode="area")
 
 
 class MaterialOpacity:
@@ -286,4 +282,5 @@ def geometry_of(scene: SceneData, device: torch.device) -> RayGeometry:
     glassy = torch.tensor(
         ["transmission" in m.maps or scene.value(f"material/{m.name}/transmission")[0] > 0.0 for m in scene.materials]
     )
-    return RayGeometry(scene.mesh, hidden, MaterialOpacity(scene, device), glassy, device)
+    opacity = MaterialOpacity(scene, device)
+    return RayGeometry(scene.mesh, hidden, opacity.at, opacity.clear, glassy)

@@ -69,8 +69,7 @@ class DirectLights:
         direct = lamp.irradiance(view_samples.surface.position, view_samples.surface.normal)
         if kept is None:
             with torch.no_grad():
-                known = None if view_samples.moving else direct
-                kept = self._kept[index] = self._shadowed(index, lamps, known)
+                kept = self._kept[index] = self._shadowed(index, lamps, None if view_samples.moving else direct)
         if not moving:
             with torch.no_grad():
                 kept.direct_light = DirectLight.of(lamp, self._seen, direct, kept.visible)
@@ -126,8 +125,7 @@ class ViewSamples:
         n = surface.position.shape[1]
         cosine = -dot(surface.normal, toward[:, :n])
         mirrored = above(reflect(toward[:, :n], surface.normal), surface.facet)
-        basis = albedo.basis(cosine.clamp(1e-3, 1.0))
-        return ViewSamples(surface, -toward[:, :n], basis, mirrored, toward[:, n:])
+        return ViewSamples(surface, -toward[:, :n], albedo.basis(cosine.clamp(1e-3, 1.0)), mirrored, toward[:, n:])
 
     @property
     def moving(self) -> bool:

@@ -80,8 +80,7 @@ class ShadowEdges:
 
     def term(self, view: View, lamp: LightSource, pixels: int) -> Tensor:
         """Zeros (P,) whose gradient is that of the light's visible share in each pixel."""
-        direct = lamp.irradiance(self.surface.position, self.surface.normal)
-        toward, distance = lamp.shadow_targets(direct, self.spot)
+        toward, distance = lamp.shadow_targets(lamp.irradiance(self.surface.position, self.surface.normal), self.spot)
         if not lamp.at_infinity:
             toward = self.surface.position + toward * distance - self.blocker
             toward = toward / toward.detach().norm(dim=0)

@@ -40,11 +40,6 @@ def direct_lights_of(frame: RenderState) -> list[DirectLight]:
     return [each.through(frame.fog) for each in direct_lights] if frame.fog.active else direct_lights
 
 
-def irradiance(frame: RenderState, direct_lights: list[DirectLight], gathered: IndirectLight) -> Tensor:
-    """Light (3, N) that arrives at each sample of a surface."""
-    return gathered.irradiance + _direct(list(zip(frame.lamps, direct_lights, strict=True)))
-
-
 def radiance(
     frame: RenderState, direct_lights: list[DirectLight], table: RadianceTable, gathered: IndirectLight
 ) -> Tensor:
@@ -60,8 +55,8 @@ def radiance(
     shining = [pair for pair in zip(frame.lamps, direct_lights, strict=True) if pair[0].shines]
     pictured = [pair for pair in shining if pair[0].pictured]
     bare = [pair for pair in shining if not pair[0].pictured]
-    around = (irradiance := irradiance + _direct(pictured)) / math.pi
-    irradiance = irradiance + _direct(bare)
+    around = (irradiance := irradiance + direct(pictured)) / math.pi
+    irradiance = irradiance + direct(bare)
     colors = torch.stack([lamp.color for lamp, _ in bare]) if bare else sky.color.new_zeros((0, 3))
     *levels, behind = cache.worlds(sky, view_samples)
     tint = (sky.color * sky.reaches("glossy"))[:, None]
@@ -92,7 +87,7 @@ def radiance(
     return torch.cat((shown, cache.covered)) * cache.on_film
 
 
-def _direct(lights: Sequence[tuple[LightSource, DirectLight]]) -> Tensor | float:
+def direct(lights: Sequence[tuple[LightSource, DirectLight]]) -> Tensor | float:
     """Irradiance (3, N) of some lights on all samples, 0 without any."""
     if not lights:
         return 0.0
@@ -125,8 +120,7 @@ def _reflected(knots: tuple[float, ...], images: list[Tensor]) -> ReflectedRadia
     if not glow:
         return ReflectedRadiance(knots, images)
     # The last image, at a roughness of 1, contains the glow already.
-    faded = ReflectedRadiance((0.0, *BLURS, 1.0), [*glow, torch.zeros_like(glow[0])])
-    return ReflectedRadiance(knots, images, faded)
+    return ReflectedRadiance(knots, images, ReflectedRadiance((0.0, *BLURS, 1.0), [*glow, torch.zeros_like(glow[0])]))
 
 
 def table_of(frame: RenderState) -> RadianceTable:

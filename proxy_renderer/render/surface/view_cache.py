@@ -88,8 +88,7 @@ class ViewCache:
             self.clusters = LightClusters.of(lamps, moving, surface)
             self._direct = DirectLights(geometry, samples, self._view_samples, self.clusters)
             self._view = view.detached()
-            generator = torch.Generator().manual_seed(seed)
-            shape = metals, len(self.clusters), emitters, self._maps, generator
+            shape = metals, len(self.clusters), emitters, self._maps, torch.Generator().manual_seed(seed)
             self.indirect = FinalGather(geometry, samples, surface, self._view, *shape)
             # (3,) average of every material's linked base color; 1 where none is linked
             plain = np.ones(3, np.float32)

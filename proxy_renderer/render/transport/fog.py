@@ -92,8 +92,7 @@ class FogMedium:
         rise = b - a
         level = rise.abs() <= 1e-3 * (a.abs() + b.abs())
         slope = (self._below(b) - self._below(a)) / torch.where(level, 1.0, rise)
-        dilution = torch.where(level, torch.exp(-self._falloff * ((a + b) / 2).clamp_min(0)), slope)
-        return length * dilution
+        return length * torch.where(level, torch.exp(-self._falloff * ((a + b) / 2).clamp_min(0)), slope)
 
     def _inside(self, start: Tensor, toward: Tensor, distance: Tensor | float) -> tuple[Tensor, Tensor]:
         """The part of the way that is in the fog: distances (…) of its ends, first ≤ last."""
@@ -150,9 +149,6 @@ def _lebedev() -> Tensor:
 DIRECTIONS = _lebedev()  # (3, 14) unit vectors for the world's light; exact to the fifth degree
 WEIGHTS = torch.tensor([1 / 15] * 6 + [3 / 40] * 8)
 
-VisibilityTest = Callable[..., Tensor]
-"""(origins (3, N), unit directions (3, N), distances (N,), material) to (N,): 1 where nothing else is in the way (`RayGeometry.clear`)."""
-
 
 @dataclass(frozen=True)
 class FroxelGrid:
@@ -181,9 +177,9 @@ class FroxelGrid:
 
 
 class SingleScattering:
-    """Single scattering in the fog of one scene; its shadows are kept until something moves."""
+    """Single scattering in the fog of one scene; its shadows, by `RayGeometry.clear`, are kept until something moves."""
 
-    def __init__(self, clear: VisibilityTest) -> None:
+    def __init__(self, clear: Callable[..., Tensor]) -> None:
         self._clear = clear
         self._shadows, self._strengths = Recent(), Recent()
 
@@ -243,8 +239,7 @@ class SingleScattering:
         far = torch.full_like(everywhere[0], math.inf)
         ways = points.expand_as(everywhere), everywhere, far
         reaching = fog.transmittance(points, directions, far) * self._shadow("", rays.signature, ways)
-        cosine = (directions[:, :, 0] * rays.toward[:, None]).sum(0)
-        return reaching * phase_shares(cosine, fog.anisotropy)[:, None]
+        return reaching * phase_shares((directions[:, :, 0] * rays.toward[:, None]).sum(0), fog.anisotropy)[:, None]
 
     def _shadow(self, name: str, signature: Hashable, ways: Sequence[Tensor], shadowless: int = -1) -> Tensor:
         """Visibility (0 to 1) along points, directions and distances, shaped like these; traced again when the signature changes."""

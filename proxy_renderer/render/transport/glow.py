@@ -103,13 +103,11 @@ class _Search:
         distance = dot(offset, offset).clamp_min(1e-12).sqrt()
         self._toward = offset / distance
         self._targets = Hits(triangle, weights[1], weights[2], distance)
-        risen = dot(self._toward, self._points.facet.repeat_interleave(_LAMP_RAYS, 1)) > 0
-        index = risen.nonzero()[:, 0]
+        index = (dot(self._toward, self._points.facet.repeat_interleave(_LAMP_RAYS, 1)) > 0).nonzero()[:, 0]
         self._seen = torch.zeros_like(distance)
         way = start[:, index], self._toward[:, index], distance[index] * (1 - 1e-4)
         self._seen[index] = self._geometry.clear(*way, ray=self._ray)
-        surface = self._geometry.surface(self._targets, self._toward)
-        self._seen *= self._geometry.stopping(surface, self._toward)
+        self._seen *= self._geometry.stopping(self._geometry.surface(self._targets, self._toward), self._toward)
 
     def shares(
         self, materials: int, directions: Callable[[Tensor], Tensor], density: Callable[[Tensor], Tensor]
@@ -118,16 +116,12 @@ class _Search:
 
         `directions` maps (2, A, R) in [0, 1) to rays (3, A * R) of the lobe; `density` is their probability density (A * R).
         """
-        points = self._origin.shape[1]
         if self._targets is None:
-            return torch.zeros((points, materials), device=self._origin.device)
-        uv = shared_points(_LOBE_RAYS, self._turn, self._generator)
-        toward = directions(uv)
+            return torch.zeros((self._origin.shape[1], materials), device=self._origin.device)
+        toward = directions(shared_points(_LOBE_RAYS, self._turn, self._generator))
         hits = self._geometry.first_hits(self._origin.repeat_interleave(_LOBE_RAYS, 1), toward, self._ray)
-        ones = torch.ones_like(hits.distance)
-        found = self._weighed(materials, hits, toward, density(toward), ones, True)
-        aimed = density(self._toward)
-        return found + self._weighed(materials, self._targets, self._toward, aimed, self._seen, False)
+        found = self._weighed(materials, hits, toward, density(toward), torch.ones_like(hits.distance), True)
+        return found + self._weighed(materials, self._targets, self._toward, density(self._toward), self._seen, False)
 
     def _weighed(self, materials: int, hits: Hits, toward: Tensor, lobe: Tensor, seen: Tensor, by_lobe: bool) -> Tensor:
         """Sums (A, M) of rays drawn `by_lobe` or else by target points, by the power heuristic; of densities, and shares of light that arrive."""
@@ -142,8 +136,7 @@ class _Search:
         rays = _LOBE_RAYS if by_lobe else _LAMP_RAYS
         points = len(seen) // rays
         place = index // rays * materials + self._geometry.material[triangle]
-        sums = torch.zeros(points * materials, device=share.device).index_add(0, place, share)
-        return sums.view(points, materials)
+        return torch.zeros(points * materials, device=share.device).index_add(0, place, share).view(points, materials)
 
 
 @dataclass(frozen=True)

@@ -82,8 +82,7 @@ class IndirectFogRays:
         ways = DIRECTIONS.to(start)[:, :, None].expand(-1, -1, rays.shape[1])
         begin = self._start[:, None, :, 0].expand_as(ways)
         far = torch.full_like(ways[0], math.inf)
-        clear = geometry.clear(begin.flatten(1), ways.flatten(1), far.flatten())
-        self._open = clear.view(far.shape)  # (14, P)
+        self._open = geometry.clear(begin.flatten(1), ways.flatten(1), far.flatten()).view(far.shape)  # (14, P)
         self._irradiance, self._kept = Recent(), Recent()
 
     def gather(self, fog: FogMedium, lamps: Sequence[LightSource], sky: Sky) -> IndirectFog:
@@ -92,8 +91,7 @@ class IndirectFogRays:
         mirrored = passing[:, -1]
         columns = []
         for i, lamp in enumerate(lamps):
-            make = partial(self._lamp_transmittance, fog, lamp, i, passing)
-            columns.append(self._of(fog, i, make, lamp.signature()))
+            columns.append(self._of(fog, i, partial(self._lamp_transmittance, fog, lamp, i, passing), lamp.signature()))
         world = ambient[:, None].expand(-1, 2)
         light_transmittance = torch.cat((*(column[0] for column in columns), world), 1)
         path_transmittance = torch.cat((*(column[1] for column in columns), kept[:, None] * world), 1)
@@ -102,8 +100,7 @@ class IndirectFogRays:
         haze = light[:, :, -1] / (1 - mirrored).clamp_min(1e-4)
         # Few rays are noisy: their sums are averaged over points, then interpolated to the gather points.
         rows = (torch.stack((ambient, kept)), path_transmittance.T, light_transmittance.T, scattered)
-        even = self._smooth(torch.cat(rows).T)
-        carried = self._to_gather_points(torch.cat((even, haze.T, mirrored[:, None]), 1))
+        carried = self._to_gather_points(torch.cat((self._smooth(torch.cat(rows).T), haze.T, mirrored[:, None]), 1))
         count = path_transmittance.shape[1]
         single, path, light, scattered, haze, mirrored = carried.split((2, count, count, 3, 3, 1), 1)
         # Light scattered twice crosses the way between surfaces once more.
@@ -262,8 +259,7 @@ class FinalGather:
         narrow_rays = geometry, origin, lobes.reflections(glossy, GLOSSY**2), _GLOSSY_RAYS, metals
         self.glossy = SecondaryHits(*narrow_rays, lamps, "glossy", deep=True)
         mirrored = above(reflect(samples.toward[:, : samples.surfaces], surface.normal), surface.facet)
-        single = geometry, geometry.lifted(surface), mirrored, 1
-        self.mirror = SecondaryHits(*single, metals, lamps, "glossy", maps)
+        self.mirror = SecondaryHits(geometry, geometry.lifted(surface), mirrored, 1, metals, lamps, "glossy", maps)
         self._mirror_ambient = self.spread_to(self.mirror)
         self._paths = LightPaths(surface.position, mirrored, self.mirror.distance)
         self._opening = gather_points.smooth_glossy(self.glossy.open[:, None])
@@ -307,8 +303,7 @@ class FinalGather:
         """Interpolation of irradiance from the gather points to hits that the image shows, or nearly shows."""
         surface = hits.surface
         distance = length(surface.position - self._view.position[:, None])
-        place = self._view.project(surface.position)
-        return self._gather_points.spread_to(surface, place, distance, hits.hit.bool())
+        return self._gather_points.spread_to(surface, self._view.project(surface.position), distance, hits.hit.bool())
 
     def gather(self, table: RadianceTable) -> IndirectLight:
         """The indirect light of one render, without fog."""
@@ -337,8 +332,7 @@ class FinalGather:
         passing = self._paths.transmittance(fog)
         dark, shares = self._dark(table), indirect_fog.light_transmittance.mean(0)
         dim = replace(dark, scattered=dark.scattered * shares[:, None, None])
-        image = self.mirror.image(dim, self._mirror_ambient(low).T)
-        mirror = image * passing + full[6:9] * (1 - passing)
+        mirror = self.mirror.image(dim, self._mirror_ambient(low).T) * passing + full[6:9] * (1 - passing)
         shown = self._shown_glow(table, full[10:], passing)
         return IndirectLight(full[:3], full[3:6], mirror, full[9], self.mirror.open * passing, low, shown)
 

@@ -82,13 +82,9 @@ class _HitRadiance(torch.autograd.Function):
 class SecondaryHits:
     """R rays, of a kind in `RAYS`, from each of A points, and the surfaces that they hit.
 
-    Args:
-        origin, toward: (3, A) where the rays start, and their unit directions (3, A * R).
-        count: R.
-        metals: (M,) weight of mirror reflection of each material, 0 for what is no metal.
-        lamps: Number of lights, or of clusters of lights.
-        maps: Textures of the hits; None for each material's mean color.
-        deep: Whether hits get the world's light and a second bounce.
+    They start at `origin` (3, A), `count` = R each, in unit directions `toward` (3, A * R). `metals` (M,) are weights of mirror
+    reflection of the materials, `lamps` is the number of lights or clusters, `maps` has textures of the hits, None for each
+    material's mean color. If `deep`, hits get the world's light and a second bounce.
     """
 
     def __init__(
@@ -241,8 +237,7 @@ def clear_to(geometry: RayGeometry, lamp: LightSource, direct: DirectIrradiance,
     if not lamp.light.shadow:
         return linked.to(torch.float32)
     facing = (dot(surface.facet, direct.toward) > 0) & linked
-    ways = geometry.lifted(surface), direct.toward, direct.distance * 0.999
-    return geometry.clear(*ways, lamp.shadowless) * facing
+    return geometry.clear(geometry.lifted(surface), direct.toward, direct.distance * 0.999, lamp.shadowless) * facing
 
 
 def refract(
