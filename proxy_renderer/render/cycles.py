@@ -184,13 +184,11 @@ def _compared(reference: Tensor, whole: Tensor, guide: Tensor) -> tuple[Tensor, 
 
 
 def _shares(picture: CyclesPicture, known_owners: list[str], proxy: Tensor, guide: Tensor) -> Tensor:
-    """Shares (G, 3, P) of Cycles' image that the known owners, and the rest, have; their sum is 1.
-
-    Noise is removed by smoothing the ratio to the proxy's part, whose sharp shadows stay.
-    """
+    """Shares (G, 3, P) of Cycles' image that the known owners, and the rest, have; their sum is 1."""
     other = sum((p for o, p in picture.parts.items() if o not in known_owners), picture.rest)
     noisy = _flat(torch.stack([*(picture.parts[owner] for owner in known_owners), other])).to(proxy)
     model = proxy.clamp_min(0.0) + _HAZY * proxy.abs().mean()
+    # Noise is removed by smoothing the ratio to the proxy's part, whose sharp shadows stay.
     above, below = (blur(p.flatten(0, 1), guide) for p in (noisy, model))
     parts = model * (above / below.clamp_min(1e-20)).view_as(model)
     total = parts.sum(0)

@@ -11,7 +11,7 @@ from torch import Tensor
 from torch.nn import functional
 
 from ..scene import SceneData
-from ..scene.values import Remembered, RenderValues, needs_gradient
+from ..scene.values import Recent, RenderValues, needs_gradient
 from ..schema import FAMILIES, VibeError
 from .cycles import Correction, CyclesPicture
 from .film import Film
@@ -75,7 +75,7 @@ class Proxy:
         self.emitters = Emitters(self.geometry, self._near)
         self.correction: Correction | None = None
         self._cache: ViewCache | None = None
-        self._made = Remembered()
+        self._made = Recent()
         self._anchored: tuple[Correction, LatentImage] | None = None  # the last anchor
         self._undeveloped: tuple[LatentImage, Mapping[str, Tensor], Correction | None] | None = None
 
@@ -184,7 +184,7 @@ class Proxy:
         for material in self.scene.materials:
             # Unless `fine`, which is for large images, they keep terms computed from them for the next render.
             made = partial(shading_inputs_of, material, settings, None if self.fine else {})
-            shading_inputs.append(self._made.of(f"material/{material.name}", settings, made))
+            shading_inputs.append(settings.kept(self._made, f"material/{material.name}", made))
         if cache is None:
             # The traced view is dropped if a glass has changed, or a surface glows for the first time.
             if self.geometry.let_through(torch.stack([surfaces.glass_transmittance(p) for p in shading_inputs])):

@@ -13,13 +13,32 @@ from . import SceneData
 T = TypeVar("T")
 
 
+def needs_gradient(*tensors: Tensor) -> bool:
+    """True if gradients are being recorded for any of the tensors."""
+    return torch.is_grad_enabled() and any(t.requires_grad for t in tensors)
+
+
+class Recent:
+    """A cache of the last two results of each owner: finite differences render a point and its neighbors in turn."""
+
+    def __init__(self) -> None:
+        self._made: dict[Hashable, dict[Hashable, Any]] = {}
+
+    def of(self, owner: Hashable, key: Hashable, make: Callable[[], T]) -> T:
+        """An owner's result for a key; `make` computes it if it is not one of the last two."""
+        made = self._made.setdefault(owner, {})
+        thing: T = made.pop(key) if key in made else make()
+        made[key] = thing  # the newest is the last
+        if len(made) > 2:
+            del made[next(iter(made))]
+        return thing
+
+
 class RenderValues:
     """Parameters by key: the caller's tensors (C,), through which gradients flow, or else the scene's values."""
 
     def __init__(self, scene: SceneData, values: Mapping[str, Tensor], device: str | torch.device) -> None:
-        self.scene = scene
-        self.given = values
-        self.device = torch.device(device)
+        self.scene, self.given, self.device = scene, values, torch.device(device)
 
     def color(self, key: str, default: float = 0.0) -> Tensor:
         """A color's components (3,), float32 on the device; three times the default if the scene has no such parameter."""
@@ -48,37 +67,9 @@ class RenderValues:
         flat = iter(torch.cat(rows).tolist() if rows else ())
         return {key: tuple(next(flat) for _ in row) for key, row in zip(self.given, rows, strict=True)}
 
-
-def needs_gradient(*tensors: Tensor) -> bool:
-    """True if gradients are being recorded for any of the tensors."""
-    return torch.is_grad_enabled() and any(t.requires_grad for t in tensors)
-
-
-class Recent:
-    """A cache of the last two results of each owner: finite differences render a point and its neighbors in turn."""
-
-    def __init__(self) -> None:
-        self._made: dict[Hashable, dict[Hashable, Any]] = {}
-
-    def of(self, owner: Hashable, key: Hashable, make: Callable[[], T]) -> T:
-        """An owner's result for a key; `make` computes it if it is not one of the last two."""
-        made = self._made.setdefault(owner, {})
-        thing: T = made.pop(key) if key in made else make()
-        made[key] = thing  # the newest is the last
-        if len(made) > 2:
-            del made[next(iter(made))]
-        return thing
-
-
-class Remembered:
-    """A cache of results that depend on the values of one owner, a light or a material; those with gradients are computed each time."""
-
-    def __init__(self) -> None:
-        self._recent = Recent()
-
-    def of(self, owner: str, values: RenderValues, make: Callable[[], T], number: int = 0) -> T:
-        """The result of `make` for an owner, "material/NAME", at these values; `number` tells owners of one name apart."""
-        given = values.by_owner.get(owner, {})
+    def kept(self, made: Recent, owner: str, make: Callable[[], T], number: int = 0) -> T:
+        """The result of `make` for an owner, "material/NAME", kept in `made` unless it has gradients; `number` tells namesakes apart."""
+        given = self.by_owner.get(owner, {})
         if needs_gradient(*given.values()):
             return make()
-        return self._recent.of((owner, number), tuple((name, values.numbers[name]) for name in given), make)
+        return made.of((owner, number), tuple((name, self.numbers[name]) for name in given), make)

@@ -21,8 +21,7 @@ _CELLS_ACROSS = 96
 class SparseWeights:
     """A constant sparse matrix (N, A), which multiplies values (A, …).
 
-    `rows` (R,) are the increasing indices of the rows that are not empty. Each has K entries: `columns` and `weights` are (R, K).
-    Entries of one column add up.
+    `rows` (R,) are the increasing indices of rows with entries, K each: `columns` and `weights` are (R, K), of equal columns added.
     """
 
     def __init__(self, rows: Tensor, columns: Tensor, weights: Tensor, shape: tuple[int, int]) -> None:
@@ -101,8 +100,7 @@ class GatherPoints:
     def turns(self, side: int) -> Tensor:
         """(A,) numbers below side², which differ between all cells of any square of side × side cells.
 
-        An average that gives each of these numbers the same weight shows no pattern of squares. `smooth_glossy` nearly does so
-        for a side of 2, `smooth` for a side of 4.
+        Averages in which each number weighs the same show no pattern: nearly those of `smooth_glossy` for a side of 2, `smooth` for 4.
         """
         column, row = self._cell % side
         return row * side + column

@@ -193,10 +193,7 @@ class RayGeometry:
         return torch.tensor([ray not in hidden for hidden in self._hidden], device=self.device)[self.object]
 
     def first_hits(self, origin: Tensor, toward: Tensor, ray: str, numbers: Tensor | None = None) -> Hits:
-        """First hits of rays (3, N) of a kind.
-
-        A transparent surface stops only its share of the rays; which ones depends on nothing but their `numbers` (N,).
-        """
+        """First hits of rays (3, N) of a kind; a transparent surface stops only its share of them, always the same by `numbers` (N,)."""
         hits = self.nearest(origin, toward, ray)
         if not self._filter:
             return hits

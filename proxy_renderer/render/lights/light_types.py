@@ -13,7 +13,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from ...scene import Light, SceneData
-from ...scene.values import Remembered, RenderValues
+from ...scene.values import Recent, RenderValues
 from ..geometry.camera import RaySegments
 from ..geometry.vectors import cross, dot, length, unit, within
 from .light_source import (
@@ -267,10 +267,10 @@ LIGHT_TYPES: dict[str, type[LightSource]] = {
 """Blender's name of a light type to its class."""
 
 
-def light_sources(scene: SceneData, values: RenderValues, made: Remembered | None = None) -> list[LightSource]:
+def light_sources(scene: SceneData, values: RenderValues, made: Recent | None = None) -> list[LightSource]:
     """All lights of the scene at the render's values; `made` keeps those whose values stay the same."""
-    kept, found = made or Remembered(), []
+    kept, found = made or Recent(), []
     for number, light in enumerate(scene.lights):  # instances of a light share its name
         make = partial(LIGHT_TYPES[light.type].of, light, scene, values)
-        found.append(kept.of(f"light/{light.name}", values, make, number))
+        found.append(values.kept(kept, f"light/{light.name}", make, number))
     return found

@@ -100,8 +100,7 @@ def _images(
 ) -> tuple[tuple[float, ...], list[Tensor]]:
     """Knots of roughness, and the radiance (3, N) that surfaces of each knot's roughness reflect.
 
-    From the mirror image at a roughness of 0 to the mean light `around` (3, N) at 1; `worlds` is the world's part at the knots
-    but the last.
+    From the mirror image at 0 to the mean light `around` (3, N) at 1; `worlds` is the world's part at the knots but the last.
     """
     sharp, blurred = worlds[0], worlds[-1]
     first = gathered.mirror + sharp * gathered.open_mirror

@@ -221,9 +221,9 @@ class ViewCache:
         kept = self._through.get((material, side))
         if kept is None or abs(kept[0] - ior) > 1e-3:
             with torch.no_grad():
-                toward = self.samples.toward[:, part]
-                shape = ior, self.metals, len(self.clusters), self._maps
-                hits = through(self.geometry, self._view_samples.surface.pick(part), toward, *shape)
+                surface, toward = self._view_samples.surface.pick(part), self.samples.toward[:, part]
+                rays = self.geometry, *through(self.geometry, surface, toward, ior), 1
+                hits = SecondaryHits(*rays, self.metals, len(self.clusters), "transmission", self._maps)
             kept = ior, None, hits, self.indirect.spread_to(hits)
         if kept[1] != place:
             hits = kept[2].aside()

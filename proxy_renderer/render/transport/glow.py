@@ -112,10 +112,7 @@ class _Search:
     def shares(
         self, materials: int, directions: Callable[[Tensor], Tensor], density: Callable[[Tensor], Tensor]
     ) -> Tensor:
-        """Shares (A, M) of a lobe that the materials' glow fills.
-
-        `directions` maps (2, A, R) in [0, 1) to rays (3, A * R) of the lobe; `density` is their probability density (A * R).
-        """
+        """Shares (A, M) of a lobe that glow fills, by its rays (3, A * R) from (2, A, R) in [0, 1), and their density (A * R)."""
         if self._targets is None:
             return torch.zeros((self._origin.shape[1], materials), device=self._origin.device)
         toward = directions(shared_points(_LOBE_RAYS, self._turn, self._generator))

@@ -195,8 +195,7 @@ class IndirectLight:
 class _PointWeights:
     """Weights of the radiances of a `RadianceTable` at A points.
 
-    Most are weights of scattered light, millions of numbers with many lights: instead of a copy of all, those of lights that have
-    moved are kept apart.
+    Most are of scattered light, millions with many lights: instead of a copy of all, those of lights that have moved are apart.
     """
 
     _all: Tensor  # (A, S, M) of what materials scatter of each source

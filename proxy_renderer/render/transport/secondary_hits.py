@@ -30,8 +30,7 @@ _MOST_WALLS = 8  # surfaces of glass that a ray is followed through; Cycles' def
 class RadianceTable:
     """Radiance of all that secondary rays can meet, in one render.
 
-    There are S = 2 (L + 2) sources: the L lights and the upper and lower hemisphere of the world, then the same again for light
-    that is scattered twice and more.
+    There are S = 2 (L + 2) sources: the L lights and both hemispheres of the world, then the same again for light scattered twice.
     """
 
     scattered: Tensor  # (S, M, 3) radiance that each material scatters of each source
@@ -254,16 +253,8 @@ def refract(
     return torch.where(total, reflect(toward, normal), bent), total
 
 
-def through(
-    geometry: RayGeometry,
-    surface: Surface,
-    toward: Tensor,
-    ior: float,
-    metals: Tensor,
-    lamps: int,
-    maps: MaterialTextures,
-) -> SecondaryHits:
-    """Hits behind a glass of rays (3, N) that enter its surface, followed through at most `_MOST_WALLS` walls."""
+def through(geometry: RayGeometry, surface: Surface, toward: Tensor, ior: float) -> tuple[Tensor, Tensor]:
+    """Origins and directions (3, N) behind a glass of rays (3, N) that enter its surface, through at most `_MOST_WALLS` walls."""
     direction, _ = refract(toward, surface.normal, 1.0 / ior)
     direction = -above(-direction, surface.facet)
     origin = 2 * surface.position - geometry.lifted(surface)  # just behind the surface
@@ -288,4 +279,4 @@ def through(
         index = index[met]
         direction = direction.index_copy(1, index, bent[:, met])
         origin = origin.index_copy(1, index, goes_on[:, met])
-    return SecondaryHits(geometry, origin, direction, 1, metals, lamps, "transmission", maps)
+    return origin, direction
