@@ -35,6 +35,8 @@ from .geometry.visibility import Hits, RayGeometry
 from .lights.environment import has_own_backdrop
 from .surface.view_cache import ViewCache
 
+Tensors = Mapping[str, Tensor]
+
 REST = "rest"  # owner of light that belongs to no light group: of glowing surfaces, and of what cannot be grouped
 _RATIO = 4.0
 _DARK = 0.02  # in mean radiances: darker pixels count as equally dark
@@ -60,11 +62,11 @@ class Correction:
 
     view: View  # the camera of the anchor
     guide: Tensor  # (H, W) int64 number of the object and material that a pixel shows; -1 for none
-    colors: Mapping[str, Tensor]  # owner, as "light/NAME" or "world", to s_g(θ₀), (3,)
-    values: Mapping[str, Tensor]  # θ₀
+    colors: Tensors  # owner, as "light/NAME" or "world", to s_g(θ₀), (3,)
+    values: Tensors  # θ₀
     dark: float  # radiance below which pixels count as equally dark
     stops: Tensor  # (P,) brightness of the proxy's image at θ₀, in stops
-    parts: Mapping[str, Tensor]  # owner to the proxy's own image (3, P) of its light at θ₀
+    parts: Tensors  # owner to the proxy's own image (3, P) of its light at θ₀
     rest: Tensor  # (3, P) the proxy's light at θ₀ that belongs to no owner: of glowing surfaces
     fields: Tensor  # (3 (2 + G), P): c, the least share of P that must remain, and the owners' residuals
     owners: tuple[str, ...]  # the G owners that Cycles' image has parts of, `REST` among them
@@ -72,13 +74,7 @@ class Correction:
 
     @staticmethod
     def of(
-        picture: CyclesPicture,
-        whole: Tensor,
-        parts: Mapping[str, Tensor],
-        colors: Mapping[str, Tensor],
-        values: Mapping[str, Tensor],
-        view: View,
-        cache: ViewCache,
+        picture: CyclesPicture, whole: Tensor, parts: Tensors, colors: Tensors, values: Tensors, cache: ViewCache
     ) -> Correction:
         """Compares Cycles' image with the proxy's at the same values: its `whole` (3, P), its `parts` (3, P) by owner of the light."""
         guide = _names(cache.samples.center_hits, cache.geometry).view(cache.depth.shape)
@@ -97,11 +93,11 @@ class Correction:
         fields = torch.cat((ratio, least, residuals.flatten(0, 1)))
         values = {key: value.detach() for key, value in values.items()}
         dark = 1e-6 + _DARK * float(whole.mean())
-        kept = view.detached(), guide, colors, values, dark, _stops(whole, dark), parts
+        kept = cache.view, guide, colors, values, dark, _stops(whole, dark), parts
         rest = whole - sum(parts.values(), torch.zeros_like(whole))
         return Correction(*kept, rest, fields, (*known_owners, REST))
 
-    def pixels(self, linear: Tensor, colors: Mapping[str, Tensor], fields: Tensor | None = None) -> Tensor:
+    def pixels(self, linear: Tensor, colors: Tensors, fields: Tensor | None = None) -> Tensor:
         """Corrected pixels (3, P) of the anchor's view, at the owners' current colors (3,); `fields` replace those of its pixels."""
         fields = self.fields if fields is None else fields
         corrected = fields[:3] * linear
@@ -115,7 +111,7 @@ class Correction:
         return torch.maximum(corrected, fields[3:6] * linear)
 
     def samples(
-        self, radiance: Tensor, colors: Mapping[str, Tensor], view: View, cache: ViewCache, before: Callable[[], Tensor]
+        self, radiance: Tensor, colors: Tensors, view: View, cache: ViewCache, before: Callable[[], Tensor]
     ) -> Tensor:
         """Corrected radiance (3, N) of another view's samples: not of its pixels, so that outlines stay smooth.
 
@@ -134,7 +130,7 @@ class Correction:
                 self._kept = cache, look_up(self.fields, self.guide, place, names, neutral, bright)
         return self.pixels(radiance, colors, self._kept[1])
 
-    def has_layers_for(self, values: Mapping[str, Tensor], scene: SceneData) -> bool:
+    def has_layers_for(self, values: Tensors, scene: SceneData) -> bool:
         """True if other values differ from θ₀ only in powers and colors of lights, or in values of the film."""
         for key in values.keys() | self.values.keys():
             if not key.startswith("film/") and not is_of_light(key, scene):
@@ -144,7 +140,7 @@ class Correction:
                     return False
         return True
 
-    def layered(self, colors: Mapping[str, Tensor]) -> Tensor | None:
+    def layered(self, colors: Tensors) -> Tensor | None:
         """The proxy's image (3, P) at other colors (3,) of the owners, a sum of its parts; None if a light was off, or grew too much."""
         whole = self.rest
         for owner, part in self.parts.items():
@@ -265,7 +261,7 @@ class CyclesPicture:
     """A Cycles render, and its parts by the owner of the light."""
 
     whole: Tensor  # (H, W, 3) linear Rec.709, finite, at least 0
-    parts: Mapping[str, Tensor]  # "light/NAME" or "world" to the noisy image (H, W, 3) of its light alone
+    parts: Tensors  # "light/NAME" or "world" to the noisy image (H, W, 3) of its light alone
     rest: Tensor  # (H, W, 3) noisy image of the light that is in no part
     denoised: bool = True  # whether the whole is free of noise
 

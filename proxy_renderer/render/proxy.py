@@ -154,7 +154,7 @@ class Proxy:
             whole, colors = self._picture(frame), frame.owners
             emission = self._picture(frame.only(""))
             parts = {owner: self._picture(frame.only(owner)) - emission for owner in colors}
-            self.correction = Correction.of(picture, whole, parts, colors, values, frame.view, frame.cache)
+            self.correction = Correction.of(picture, whole, parts, colors, values, frame.cache)
             self._anchored = None  # the next line renders the anchor's own image without layers
             self._anchored = self.correction, self.expose(values, frame.cache)
         return self.correction

@@ -28,8 +28,7 @@ from ..lights.shadows import LightClusters
 from ..material.inputs import MaterialTextures
 from ..transport.indirect import FinalGather, IndirectFogRays
 from ..transport.secondary_hits import SecondaryHits, through
-from .direct_lights import DirectLight, DirectLights, ViewSamples
-from .edges import Silhouettes
+from .direct_lights import DirectLight, DirectLights, Silhouettes, ViewSamples
 
 _SMALL_STEP = 0.02  # relative change of a light's placement up to which loops keep the traced bounced light
 _LEAST_ALIKE = 0.1  # cosine between a mapped and the true normal below which the map does not count
@@ -87,9 +86,9 @@ class ViewCache:
             surface = self._view_samples.surface
             self.clusters = LightClusters.of(lamps, moving, surface)
             self._direct = DirectLights(geometry, samples, self._view_samples, self.clusters)
-            self._view = view.detached()
+            self.view = view.detached()
             shape = metals, len(self.clusters), emitters, self._maps, torch.Generator().manual_seed(seed)
-            self.indirect = FinalGather(geometry, samples, surface, self._view, *shape)
+            self.indirect = FinalGather(geometry, samples, surface, self.view, *shape)
             # (3,) average of every material's linked base color; 1 where none is linked
             plain = np.ones(3, np.float32)
             means = (m.texture.image.mean((0, 1)) if m.texture else plain for m in scene.materials)
@@ -239,7 +238,7 @@ class ViewCache:
         """The rays along which fog acts between surfaces; `near` is a typical distance of what is seen, meters."""
         if self._indirect_fog is None:
             with torch.no_grad():
-                points = self._view_samples.surface, self._view, self.indirect.gather_points
+                points = self._view_samples.surface, self.view, self.indirect.gather_points
                 self._indirect_fog = IndirectFogRays(self.geometry, self.samples, *points, near)
         return self._indirect_fog
 
