@@ -10,6 +10,9 @@ from torch.nn import functional
 
 from . import constants as c
 
+_TINY = 1e-12
+_PARTS = 16  # of a batch of look-ups
+
 
 def luminance(linear: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels 1"]:
     """Luminance (..., 1) of linear Rec.709 (..., 3)."""
@@ -48,9 +51,6 @@ def oklab_from_srgb(display: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixe
 def lab_from_srgb(display: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels 3"]:
     """CIE Lab (D65) of sRGB-encoded images (..., 3) in [0, 1]."""
     return lab_from_linear(linear_from_srgb(display))
-
-
-_TINY = 1e-12
 
 
 def _root(squared: Tensor) -> Tensor:
@@ -144,9 +144,6 @@ def blackbody(kelvin: Tensor) -> Tensor:
     green = g[0] / t + g[1] * t + g[2]
     blue = ((b[0] * t + b[1]) * t + b[2]) * t + b[3]
     return torch.stack((red, green, blue), -1).clamp_min(0.0)
-
-
-_PARTS = 16
 
 
 def trilinear(table: Tensor, place: Tensor) -> Tensor:

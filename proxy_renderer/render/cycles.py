@@ -79,7 +79,7 @@ class Correction:
         """Compares Cycles' image with the proxy's at the same values: its `whole` (3, P), its `parts` (3, P) by owner of the light."""
         guide = _names(cache.samples.center_hits, cache.geometry).view(cache.depth.shape)
         known_owners = [owner for owner in picture.parts if owner in parts]
-        reference = _flat(picture.whole).to(whole)
+        reference = picture.whole.flatten(0, 1).T.to(whole)  # (3, P)
         if not picture.denoised:  # take the proxy's detail instead of the noise
             above, below, faint = _compared(reference, whole, guide)
             reference = (whole.clamp_min(0.0) + faint) * above / (below + faint)
@@ -168,11 +168,6 @@ def _names(hits: Hits, geometry: RayGeometry) -> Tensor:
     return torch.where(hits.hit, geometry.object[index] * 4096 + geometry.material[index], -1)
 
 
-def _flat(picture: Tensor) -> Tensor:
-    """Reshapes an image (…, H, W, 3) to (…, 3, P)."""
-    return picture.flatten(-3, -2).transpose(-1, -2)
-
-
 def _compared(reference: Tensor, whole: Tensor, guide: Tensor) -> tuple[Tensor, Tensor, Tensor]:
     """Cycles' and the proxy's image (3, P), both smoothed, and a radiance () below which their ratio is unreliable."""
     above, below = blur(torch.cat((reference, whole)), guide).split(3)
@@ -182,7 +177,8 @@ def _compared(reference: Tensor, whole: Tensor, guide: Tensor) -> tuple[Tensor, 
 def _shares(picture: CyclesPicture, known_owners: list[str], proxy: Tensor, guide: Tensor) -> Tensor:
     """Shares (G, 3, P) of Cycles' image that the known owners, and the rest, have; their sum is 1."""
     other = sum((p for o, p in picture.parts.items() if o not in known_owners), picture.rest)
-    noisy = _flat(torch.stack([*(picture.parts[owner] for owner in known_owners), other])).to(proxy)
+    noisy = torch.stack([*(picture.parts[owner] for owner in known_owners), other])
+    noisy = noisy.flatten(1, 2).transpose(1, 2).to(proxy)  # (G, 3, P)
     model = proxy.clamp_min(0.0) + _HAZY * proxy.abs().mean()
     # Noise is removed by smoothing the ratio to the proxy's part, whose sharp shadows stay.
     above, below = (blur(p.flatten(0, 1), guide) for p in (noisy, model))
@@ -286,13 +282,11 @@ class CyclesPicture:
                 raise ValueError(f"it has no layer {missing[0]!r}")
         except (OSError, RuntimeError, ValueError, TypeError) as error:
             raise VibeError(f"Cycles' picture cannot be read: {error}.", "Try again.") from error
-        denoised = "Noisy Image" in passes  # some builds of Blender have no denoiser
-        pictures = {}
-        for name in ("Combined", "Noisy Image" if denoised else "Combined", *owners):
+        raw, pictures = "Noisy Image" if "Noisy Image" in passes else "Combined", {}  # some builds have no denoiser
+        for name in ("Combined", raw, *owners):
             picture = np.nan_to_num(passes[name], nan=0.0, posinf=_BRIGHTEST, neginf=0.0).clip(0.0, _BRIGHTEST)
             pictures[name] = torch.from_numpy(np.ascontiguousarray(picture))
-        noisy = pictures["Noisy Image" if denoised else "Combined"]
         parts = {owner: pictures[name] for name, owner in owners.items()}
-        rest = noisy - sum(parts.values(), torch.zeros_like(noisy))
-        rest = torch.where(rest > _ROUNDING * noisy, rest, torch.zeros_like(rest))
-        return CyclesPicture(pictures["Combined"], parts, rest, denoised)
+        rest = pictures[raw] - sum(parts.values(), torch.zeros_like(pictures[raw]))
+        rest = torch.where(rest > _ROUNDING * pictures[raw], rest, torch.zeros_like(rest))
+        return CyclesPicture(pictures["Combined"], parts, rest, raw != "Combined")

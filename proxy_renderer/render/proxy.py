@@ -55,10 +55,8 @@ class Proxy:
     Rays are traced on the CPU, and only where camera, lights, mirrors or glass have changed since the last render. `correction`
     comes from a Cycles render, see `anchor`; None for the plain proxy.
 
-    Args:
-        seed: For the jitter of bounce rays.
-        fine: Whether smooth materials get several samples in every pixel, so that their reflections are antialiased. The values
-            at a camera's first render decide which are smooth. For images to look at; loops do without.
+    `seed` is for the jitter of bounce rays. If `fine`, smooth materials get several samples in every pixel, so that their
+    reflections are antialiased, for images to look at. The values at a camera's first render decide which are smooth.
     """
 
     def __init__(

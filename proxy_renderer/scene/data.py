@@ -15,6 +15,7 @@ from ..schema.light_links import LightLink
 from ..schema.orbit import Matrix, Vector
 
 Array = np.ndarray
+_LINKED = ("tint", "recolor", "rotation", "backdrop_color", "backdrop_tint", "backdrop_strength")
 
 
 @dataclass(frozen=True)
@@ -261,9 +262,6 @@ class SceneData:
         if key in self.unseen:
             return self.unseen[key]
         return default if isinstance(default, tuple) else (default,)
-
-
-_LINKED = ("tint", "recolor", "rotation", "backdrop_color", "backdrop_tint", "backdrop_strength")
 
 
 def plain_instances(

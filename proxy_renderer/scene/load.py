@@ -19,9 +19,7 @@ _FARTHEST = 1e9  # meters from the origin beyond which squares of areas leave th
 _AT_ONCE = 1 << 18  # most triangles that are checked at once; limits memory
 _EXPORT_AGAIN = "Export the scene again with the add-on that belongs to this engine."
 _ROWS = {(p.group, p.name): p for p in PARAMETERS}
-_MESH_SHAPES = {
-    "vertices": (3,), "faces": (3,), "normals": (3, 3), "uvs": (3, 2), "material": (), "object": (),
-}  # fmt: skip
+_MESH_SHAPES = {"vertices": (3,), "faces": (3,), "normals": (3, 3), "uvs": (3, 2), "material": (), "object": ()}
 
 T = TypeVar("T")
 

@@ -32,8 +32,7 @@ class SparseWeights:
 
     def __call__(self, values: Tensor) -> Tensor:
         """(N, …) weighted sums of values (A, …)."""
-        sums: Tensor = _SparseProduct.apply(values.flatten(1), self)
-        return sums.view(-1, *values.shape[1:])
+        return _SparseProduct.apply(values.flatten(1), self).view(-1, *values.shape[1:])
 
     @functools.cached_property
     def backward(self) -> Tensor:
@@ -152,8 +151,8 @@ class GatherPoints:
             if len(group):
                 cells = near[:, group].flatten()
                 columns = (lists[:, :, i].flatten() for i in range(n))
-                candidates = torch.cat([c.index_select(0, cells).view(len(near), -1) for c in columns])
-                best[group], weight[group] = _best(self._gather_points, points.pick(group), candidates, nearest, width)
+                among = torch.cat([c.index_select(0, cells).view(len(near), -1) for c in columns])
+                best[group], weight[group] = _best(self._gather_points, points.pick(group), among, nearest, width)
         weight = weight / weight.sum(1, keepdim=True).clamp_min(1e-20)
         return SparseWeights(rows, best, weight, (count, len(self.index)))
 
@@ -167,11 +166,9 @@ class _Places(PointSet):
     pitch: Tensor
 
 
-def _best(
-    gather_points: _Places, points: _Places, candidates: Tensor, nearest: int, width: float
-) -> tuple[Tensor, Tensor]:
-    """The gather points (N, nearest) of largest weight, and their weights, among candidates (C, N), of which -1 stands for none."""
-    index = candidates.clamp_min(0)
+def _best(gather_points: _Places, points: _Places, among: Tensor, nearest: int, width: float) -> tuple[Tensor, Tensor]:
+    """The gather points (N, nearest) of largest weight, and their weights, `among` some (C, N); -1 stands for none."""
+    index = among.clamp_min(0)
 
     def of(values: Tensor) -> Tensor:
         return values.index_select(0, index.flatten()).view(index.shape)
@@ -186,7 +183,7 @@ def _best(
     for axis in range(2):
         apart = (of(gather_points.place[axis]) - points.place[axis]).abs() / width
         weight *= (1.0 - apart).clamp_min(0.02 / width)
-    weight = torch.where(candidates >= 0, weight, 0.0).T
+    weight = torch.where(among >= 0, weight, 0.0).T
     if weight.shape[1] == nearest:
         return index.T, weight
     weight, best = weight.contiguous().topk(nearest, 1)

@@ -51,7 +51,7 @@ class TriangleTree:
         scene.run(np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32))  # the first ray builds the tree
         return scene
 
-    def _run(self, *rays: np.ndarray, **how: Any) -> Any:
+    def run(self, *rays: np.ndarray, **how: Any) -> Any:
         """Embree's answer for rays (N, …), on as many threads as torch has; Embree releases Python's lock."""
         threads = min(torch.get_num_threads(), len(rays[0]) // _SHARE)
         if threads < 2:
@@ -65,18 +65,14 @@ class TriangleTree:
     def nearest(self, origin: np.ndarray, toward: np.ndarray, before: TraceResult | None) -> TraceResult:
         """The nearest hits of rays (N, 3), among these triangles and the hits `before` of other trees."""
         if before is None:
-            answer = self._run(origin, toward, output=1)
+            answer = self.run(origin, toward, output=1)
         else:
-            answer = self._run(origin, toward, before[3], query="INTERSECT", output=1)
+            answer = self.run(origin, toward, before[3], query="INTERSECT", output=1)
         u, v = answer["u"], answer["v"]
         new = self.members[answer["primID"].clip(0)], u, v, answer["tfar"]
         pairs = zip(new, before or (-1, u, v, np.float32(1e30)), strict=True)
         triangle, u, v, distance = (np.where(answer["primID"] >= 0, *pair) for pair in pairs)
         return triangle, u, v, distance
-
-    def blocks(self, origin: np.ndarray, toward: np.ndarray, distance: np.ndarray) -> np.ndarray:
-        """(N,) bool: rays (N, 3) that meet a triangle before a distance (N,)."""
-        return self._run(origin, toward, distance, query="OCCLUDED") >= 0
 
 
 _trees: weakref.WeakKeyDictionary[SceneMesh, dict[bytes, TriangleTree]] = weakref.WeakKeyDictionary()
@@ -237,7 +233,7 @@ class RayGeometry:
         limit = distance.clamp_max(1e30).cpu().numpy().astype(np.float32)
         rays = _rows(origin), _rows(toward)
         for solid in (c.tree for c in blocking if not c.clear):
-            passing[torch.from_numpy(solid.blocks(*rays, limit)).to(self.device)] = 0.0
+            passing[torch.from_numpy(solid.run(*rays, limit, query="OCCLUDED") >= 0).to(self.device)] = 0.0
         # Transparent surfaces along the rays reduce the share.
         veils = [c for c in blocking if c.clear]
         index = (passing > 0).nonzero()[:, 0]

@@ -186,13 +186,10 @@ def equiangular(
 ) -> SegmentLight:
     """Light from a place (3,) along rays, integrated analytically (equiangular sampling: Kulla and Fajardo 2012).
 
-    The parts of a segment subtend equal angles at the light, and so get equal light.
-
-    Args:
-        softness: () meters, added to the ray's distance from the light as a root sum of squares: about the effect of averaging
-            over the light's size.
-        back: (3,) opposite of the direction in which a flat light shines; None for a light that shines to all sides.
-        intensity: Maps unit vectors (3, n) to the light to its intensity (n,) in the opposite directions.
+    The parts of a segment subtend equal angles at the light, and so get equal light. `softness` (), meters, is added to the ray's
+    distance from the light as a root sum of squares: about the effect of averaging over the light's size. A flat light shines
+    opposite to `back` (3,), others to all sides. `intensity` maps unit vectors (3, n) to the light to that (n,) in the opposite
+    directions.
     """
     to_light = position.view(3, 1, 1) - segments.start
     closest = (to_light * segments.toward).sum(0)

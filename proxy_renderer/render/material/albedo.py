@@ -15,6 +15,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 _POWERS = (0, 1, 2, 3, 5, 8, 14)  # powers of (1 - cosine) that make the basis
+SCHLICK_CURVE = tuple(float(p == 5) for p in _POWERS)  # coefficients of (1 - c)^5
 _ROUGHNESS, _CONTRAST = 17, 17  # numbers of values in tables
 _SIDE = 12  # squared: microfacet normals per integral
 COSINES = tuple((torch.linspace(0.0, 1.0, 24) ** 1.25 * 0.99 + 0.01).tolist())
@@ -58,9 +59,6 @@ def over_ior(name: str, ior: Tensor) -> Tensor:
 def dielectric_share(roughness: Tensor, ior: Tensor) -> Tensor:
     """Coefficients (7,) of the table "dielectric" of `_tables`; (7, N) for a roughness (N,)."""
     return _between(over_ior("dielectric", ior), roughness)
-
-
-SCHLICK_CURVE = tuple(float(p == 5) for p in _POWERS)  # coefficients of (1 - c)^5
 
 
 @functools.cache

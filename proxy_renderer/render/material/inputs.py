@@ -64,8 +64,7 @@ class ShadingInputs:
         known = self.kept.get(name)
         if known is None or known[0] is not view:
             known = self.kept[name] = view, make()
-        terms: T = known[1]
-        return terms
+        return known[1]
 
     def uses(self, name: str, view: Tensor) -> bool:
         """True if the weight with this name is `used`; kept per view (7, N), because reading a GPU's memory takes long."""

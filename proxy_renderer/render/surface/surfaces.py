@@ -95,9 +95,7 @@ def direct(lights: Sequence[tuple[LightSource, DirectLight]]) -> Tensor | float:
     return colors.T @ torch.stack([direct_light.irradiance for _, direct_light in lights])
 
 
-def _images(
-    gathered: IndirectLight, worlds: Sequence[Tensor], around: Tensor
-) -> tuple[tuple[float, ...], list[Tensor]]:
+def _images(gathered: IndirectLight, worlds: list[Tensor], around: Tensor) -> tuple[tuple[float, ...], list[Tensor]]:
     """Knots of roughness, and the radiance (3, N) that surfaces of each knot's roughness reflect.
 
     From the mirror image at 0 to the mean light `around` (3, N) at 1; `worlds` is the world's part at the knots but the last.

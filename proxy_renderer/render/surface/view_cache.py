@@ -187,9 +187,7 @@ class ViewCache:
             surrounding=tuple(m.name for m in self.scene.materials if m.role != "subject"),
         )
 
-    def direct_light(
-        self, index: int, lamps: Sequence[LightSource], view_samples: ViewSamples, view: View
-    ) -> DirectLight:
+    def direct_light(self, index: int, lamps: list[LightSource], view_samples: ViewSamples, view: View) -> DirectLight:
         """Direct light of one of the lights; shadows are traced again if the light, or another of its cluster, has moved."""
         row, moved = self.clusters.row[index], self._direct.forget_moved(index, lamps)
         first = index == self.clusters.clusters[row].members[0]
@@ -296,7 +294,11 @@ class Defocus:
         radius = (blur * (camera.aperture / pixel)).clamp(-most, most)
         if float(radius.abs().max()) < _LEAST_RADIUS:
             return None
-        knots = _knots(float(radius.min()), float(radius.max()))
+        knots = [0.0]  # signed radii of the layers, from far to near
+        while knots[0] > float(radius.min()):
+            knots.insert(0, knots[0] * _RADIUS_GROWTH or -_FIRST_RADIUS)
+        while knots[-1] < float(radius.max()):
+            knots.append(knots[-1] * _RADIUS_GROWTH or _FIRST_RADIUS)
         pad = int(max(abs(k) for k in knots)) + 1
         padded = distance.shape[0] + pad, distance.shape[1] + pad
         layers = []
@@ -321,16 +323,6 @@ class Defocus:
                 layer = torch.fft.irfft2(spectrum, s=self.padded)[:, :height, :width]
             total = total * (1 - layer[-1:].clamp(0.0, 1.0)) + layer
         return (total[:-1] / total[-1:].clamp_min(1e-3)).clamp_min(0.0).view(picture.shape)
-
-
-def _knots(least: float, greatest: float) -> list[float]:
-    """Signed radii of the layers, from far to near, 0 among them."""
-    knots = [0.0]
-    while knots[0] > least:
-        knots.insert(0, knots[0] * _RADIUS_GROWTH or -_FIRST_RADIUS)
-    while knots[-1] < greatest:
-        knots.append(knots[-1] * _RADIUS_GROWTH or _FIRST_RADIUS)
-    return knots
 
 
 def _disc(radius: float, size: tuple[int, int]) -> Tensor:

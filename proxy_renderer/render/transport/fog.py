@@ -183,9 +183,7 @@ class SingleScattering:
         self._clear = clear
         self._shadows, self._strengths = Recent(), Recent()
 
-    def scatter(
-        self, fog: FogMedium, view: View, near: float, lamps: Sequence[LightSource], world: Tensor
-    ) -> FroxelGrid:
+    def scatter(self, fog: FogMedium, view: View, near: float, lamps: list[LightSource], world: Tensor) -> FroxelGrid:
         """The fog in front of a camera, finest up to a typical distance `near`, meters; `world` is its radiance (3, 14) or (3, 1) from `DIRECTIONS`."""
         eye = view.position.detach()
         away = [length(lamp.position.detach() - eye, 0.0) for lamp in lamps if not lamp.at_infinity]

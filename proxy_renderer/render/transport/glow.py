@@ -28,39 +28,29 @@ _LAMP_RAYS = 16
 _LEAST_COSINE = 0.02
 
 
-@dataclass(frozen=True)
-class GlowShares:
-    """Shares that glowing materials fill of what A points see."""
-
-    # (A, M) of their hemisphere, weighted by the cosine, that each material's glow fills; 0 for materials that lights stand for
-    wide: Tensor
-    blurred: tuple[Tensor, ...]  # for each roughness in `BLURS`, (A, M) of the blurred reflection
-
-
 def glow_of(
     geometry: RayGeometry,
     lobes: LobeRays,
     near: Tensor,
     wide: Tensor,
     clusters: Mapping[int, Sequence[object]],
-    materials: int,
     generator: Generator,
-) -> GlowShares:
-    """Finds the shares that glowing materials fill at the points of `lobes`.
+) -> list[Tensor]:
+    """Shares (A, M) that the materials' glow fills of what the points of `lobes` see.
 
+    The first is that of their hemisphere, weighted by the cosine, the others of the reflection blurred by each of `BLURS`.
     `clusters` are those of `Emitters`: in diffuse light, they stand for the materials that have some. Points with the same number
     in `near` (A,) share random numbers of reflections, in `wide` (A,) those of the hemisphere: see `GatherPoints.turns`.
     """
     points, unlit = lobes.points, sorted(material for material, some in clusters.items() if not some)
     diffuse = _Search(geometry, points, wide, unlit, "diffuse", generator)
     glossy = _Search(geometry, points, near, sorted(clusters), "glossy", generator)
-    hemisphere = diffuse.shares(materials, lobes.hemisphere, lobes.hemisphere_density)
-    blurred = []
+    found = [diffuse.shares(lobes.hemisphere, lobes.hemisphere_density)]
     for roughness in BLURS:
         alpha = roughness * roughness
         lobe = partial(lobes.reflections, alpha=alpha), partial(lobes.reflections_density, alpha=alpha)
-        blurred.append(glossy.shares(materials, *lobe))
-    return GlowShares(hemisphere, tuple(blurred))
+        found.append(glossy.shares(*lobe))
+    return found
 
 
 class _Search:
@@ -109,18 +99,16 @@ class _Search:
         self._seen[index] = self._geometry.clear(*way, ray=self._ray)
         self._seen *= self._geometry.stopping(self._geometry.surface(self._targets, self._toward), self._toward)
 
-    def shares(
-        self, materials: int, directions: Callable[[Tensor], Tensor], density: Callable[[Tensor], Tensor]
-    ) -> Tensor:
+    def shares(self, directions: Callable[[Tensor], Tensor], density: Callable[[Tensor], Tensor]) -> Tensor:
         """Shares (A, M) of a lobe that glow fills, by its rays (3, A * R) from (2, A, R) in [0, 1), and their density (A * R)."""
         if self._targets is None:
-            return torch.zeros((self._origin.shape[1], materials), device=self._origin.device)
+            return torch.zeros((self._origin.shape[1], len(self._geometry.glass)), device=self._origin.device)
         toward = directions(shared_points(_LOBE_RAYS, self._turn, self._generator))
         hits = self._geometry.first_hits(self._origin.repeat_interleave(_LOBE_RAYS, 1), toward, self._ray)
-        found = self._weighed(materials, hits, toward, density(toward), torch.ones_like(hits.distance), True)
-        return found + self._weighed(materials, self._targets, self._toward, density(self._toward), self._seen, False)
+        found = self._weighed(hits, toward, density(toward), torch.ones_like(hits.distance), True)
+        return found + self._weighed(self._targets, self._toward, density(self._toward), self._seen, False)
 
-    def _weighed(self, materials: int, hits: Hits, toward: Tensor, lobe: Tensor, seen: Tensor, by_lobe: bool) -> Tensor:
+    def _weighed(self, hits: Hits, toward: Tensor, lobe: Tensor, seen: Tensor, by_lobe: bool) -> Tensor:
         """Sums (A, M) of rays drawn `by_lobe` or else by target points, by the power heuristic; of densities, and shares of light that arrive."""
         index = (hits.hit & (seen > 0) & (self._density[hits.triangle.clamp_min(0)] > 0)).nonzero()[:, 0]
         triangle, distance = hits.triangle[index], hits.distance[index]
@@ -131,7 +119,7 @@ class _Search:
         chosen = by_chance if by_lobe else aimed
         share = lobe[index] * chosen / (by_chance**2 + aimed**2).clamp_min(1e-20) * seen[index]
         rays = _LOBE_RAYS if by_lobe else _LAMP_RAYS
-        points = len(seen) // rays
+        points, materials = len(seen) // rays, len(self._geometry.glass)
         place = index // rays * materials + self._geometry.material[triangle]
         return torch.zeros(points * materials, device=share.device).index_add(0, place, share).view(points, materials)
 

@@ -29,7 +29,7 @@ from ..lights.environment import GLOSSY, Sky
 from ..lights.light_source import LightSource
 from ..material.inputs import MaterialTextures
 from .fog import DIRECTIONS, WEIGHTS, FogMedium, LightPaths, SingleScattering, phase_shares
-from .glow import GlowShares, LobeRays, glow_of
+from .glow import LobeRays, glow_of
 from .secondary_hits import RadianceTable, SecondaryHits, clear_to
 
 T = TypeVar("T")
@@ -91,7 +91,7 @@ class IndirectFogRays:
         mirrored = passing[:, -1]
         columns = []
         for i, lamp in enumerate(lamps):
-            columns.append(self._of(fog, i, partial(self._lamp_transmittance, fog, lamp, i, passing), lamp.signature()))
+            columns.append(self._of(fog, i, partial(self._transmittances, fog, lamp, i, passing), lamp.signature()))
         world = ambient[:, None].expand(-1, 2)
         light_transmittance = torch.cat((*(column[0] for column in columns), world), 1)
         path_transmittance = torch.cat((*(column[1] for column in columns), kept[:, None] * world), 1)
@@ -125,9 +125,7 @@ class IndirectFogRays:
         facing = facing * (self._open + 1e-3)
         return passing, kept, (reaching * facing).sum(0) / facing.sum(0)
 
-    def _lamp_transmittance(
-        self, fog: FogMedium, lamp: LightSource, index: int, passing: Tensor
-    ) -> tuple[Tensor, Tensor]:
+    def _transmittances(self, fog: FogMedium, lamp: LightSource, index: int, passing: Tensor) -> tuple[Tensor, Tensor]:
         """Transmittance (P, 1) from a light to the hits of diffuse rays, and from there on, `passing` (P, rays), to the points."""
         still, position = lamp.detached(), self._surface.position
 
@@ -266,9 +264,9 @@ class FinalGather:
         self._weights: tuple[_PointWeights, _PointWeights] | None = None
         self._blurred: list[Tensor] = []  # (A, M) shares of glowing materials in blurred reflections
         self._lamps = lamps
-        self._glow: GlowShares | None = None
+        self._glow: list[Tensor] = []  # see `glow_of`; empty if nothing glows
         if emitters.clusters:
-            self._glow = glow_of(geometry, lobes, near, wide, emitters.clusters, len(metals), generator)
+            self._glow = glow_of(geometry, lobes, near, wide, emitters.clusters, generator)
 
     def aside(self) -> Self:
         """A copy in which lights may move while this one stays as it is."""
@@ -354,10 +352,10 @@ class FinalGather:
         if self._weights is None:
             wide = self._gather_points.smooth(self.diffuse.weights()) * math.pi  # irradiance from mean radiance
             narrow = self._gather_points.smooth_glossy(self.glossy.weights())
-            if self._glow is not None:
-                wide[:, -1], narrow[:, -1] = self._gather_points.smooth(self._glow.wide) * math.pi, 0.0
+            if self._glow:
+                hemisphere, *narrower, widest = self._glow
+                wide[:, -1], narrow[:, -1] = self._gather_points.smooth(hemisphere) * math.pi, 0.0
                 # Averaging would blur edges of glow; only the widest lobe is noisy enough to need it.
-                *narrower, widest = self._glow.blurred
                 self._blurred = [*narrower, self._gather_points.smooth_glossy(widest)]
             sky = self._gather_points.smooth(self.diffuse.harmonics.T) * math.pi
             self._weights = _PointWeights.of(wide, sky), _PointWeights.of(narrow, torch.zeros_like(sky))
@@ -365,10 +363,11 @@ class FinalGather:
 
     def _shown_glow(self, table: RadianceTable, blurred: Tensor, passing: Tensor | float = 1.0) -> tuple[Tensor, ...]:
         """`IndirectLight.glow` at the samples, from its blurred reflections (3 K, N); fog lets a share `passing` of the mirror image through."""
-        if self._glow is None:
+        if not self._glow:
             return ()
-        return self.mirror.emitted(table.emission) * passing, *blurred.split(3)
+        emission = torch.cat((table.emission, table.emission.new_zeros((1, 3))))  # none outside the scene
+        return emission.T.index_select(1, self.mirror.owner) * passing, *blurred.split(3)
 
     def _dark(self, table: RadianceTable) -> RadianceTable:
         """The table without emission if glowing surfaces are searched for separately."""
-        return table if self._glow is None else replace(table, emission=torch.zeros_like(table.emission))
+        return replace(table, emission=torch.zeros_like(table.emission)) if self._glow else table

@@ -210,12 +210,7 @@ class SecondaryHits:
             self._members = [(self.owner == m).nonzero()[:, 0] for m in range(self.materials)]
         given = table.scattered, table.emission, table.albedo / math.pi, ambient * (1 - self.mirror_weight)
         hits = self.incoming, self._members, self._relative_base_color
-        radiance: Tensor = _HitRadiance.apply(*given, *hits)
-        return radiance
-
-    def emitted(self, emission: Tensor) -> Tensor:
-        """Radiance (3, A) that the hits of single rays (R = 1) emit, from that of all materials (M, 3)."""
-        return torch.cat((emission, emission.new_zeros((1, 3)))).T.index_select(1, self.owner)
+        return _HitRadiance.apply(*given, *hits)
 
     def weights(self, sources: Sequence[int] | None = None) -> Tensor:
         """Shares (A points, S + 1, M materials) with which the points' rays see light, averaged over each point's rays.
