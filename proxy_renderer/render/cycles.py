@@ -282,7 +282,8 @@ class CyclesPicture:
                 raise ValueError(f"it has no layer {missing[0]!r}")
         except (OSError, RuntimeError, ValueError, TypeError) as error:
             raise VibeError(f"Cycles' picture cannot be read: {error}.", "Try again.") from error
-        raw, pictures = "Noisy Image" if "Noisy Image" in passes else "Combined", {}  # some builds have no denoiser
+        raw = "Noisy Image" if "Noisy Image" in passes else "Combined"  # some builds of Blender have no denoiser
+        pictures = {}
         for name in ("Combined", raw, *owners):
             picture = np.nan_to_num(passes[name], nan=0.0, posinf=_BRIGHTEST, neginf=0.0).clip(0.0, _BRIGHTEST)
             pictures[name] = torch.from_numpy(np.ascontiguousarray(picture))

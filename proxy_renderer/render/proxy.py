@@ -141,7 +141,7 @@ class Proxy:
             gray = gray * (1.0 if passing is None else passing) + light
             linear = _resolve(frame, gray)[0].view(3, *clear.shape).permute(1, 2, 0)
             latent = LatentImage(linear=linear, mask=clear, depth=clear, transmittance=clear)
-            return frame.cache.gbuffer(frame.view, clear, self.develop(latent, values).display)
+            return frame.cache.gbuffer(clear, self.develop(latent, values).display)
 
     def anchor(self, values: Mapping[str, Tensor], picture: CyclesPicture) -> Correction:
         """Makes Cycles' image of these values correct all further renders; raises VibeError if its size is not the proxy's."""

@@ -156,20 +156,19 @@ class ViewCache:
         if material in self._varying and not view_samples.moving:
             return self._varying[material]
         names = ["base_color", *(n for n in self.scene.materials[material].maps if n not in _GEOMETRIC)]
-        names = [name for name in names if self._maps.has(material, name)]
         surface = view_samples.surface.pick(part)
-        found = {name: self._maps.at(material, name, surface) for name in names}
+        found = {name: self._maps.at(material, name, surface) for name in names if self._maps.has(material, name)}
         if not view_samples.moving:
             self._varying[material] = found
         return found
 
     @torch.no_grad()
-    def gbuffer(self, view: View, transmittance: Tensor, gray: Tensor) -> GBuffer:
-        """The G-buffer of a view, with the fog's `transmittance` (H, W) and the `gray` image (H, W, 3)."""
-        hits, still = self.samples.center_hits, view.detached()
-        _, toward = still.rays(pixel_centers(view.size).to(self.geometry.device))
+    def gbuffer(self, transmittance: Tensor, gray: Tensor) -> GBuffer:
+        """The G-buffer of the view, with the fog's `transmittance` (H, W) and the `gray` image (H, W, 3)."""
+        hits = self.samples.center_hits
+        _, toward = self.view.rays(pixel_centers(self.view.size).to(self.geometry.device))
         surface = self.geometry.surface(hits, toward)
-        normal = torch.where(hits.hit, still.rotation.T @ surface.normal, 0.0)
+        normal = torch.where(hits.hit, self.view.rotation.T @ surface.normal, 0.0)
         pattern = torch.ones_like(self.inside)
         for material, start, stop in self.samples.slices:
             color = self.textured_inputs(material, slice(start, stop), self._view_samples).get("base_color")
