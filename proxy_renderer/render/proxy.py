@@ -166,8 +166,7 @@ class Proxy:
             return None
         settings = RenderValues(self.scene, values, self.device)
         sky = sky_of(self.environment, settings)
-        lamps = light_sources(self.scene, settings, self._made) + sky.lamps
-        colors = surfaces.colors_by_owner(lamps, sky)
+        colors = surfaces.colors_by_owner(light_sources(self.scene, settings, self._made) + sky.lamps, sky)
         picture = correction.layered(colors)
         if picture is None:
             return None

@@ -236,9 +236,11 @@ class RayGeometry:
             passing[torch.from_numpy(solid.run(*rays, limit, query="OCCLUDED") >= 0).to(self.device)] = 0.0
         # Transparent surfaces along the rays reduce the share.
         veils = [c for c in blocking if c.clear]
+        if not veils:
+            return passing
         index = (passing > 0).nonzero()[:, 0]
         start = torch.zeros_like(passing)
-        for _ in range(_LAYERS if veils else 0):
+        for _ in range(_LAYERS):
             if not len(index):
                 break
             way = toward[:, index]

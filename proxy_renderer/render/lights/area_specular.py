@@ -76,8 +76,7 @@ def area_specular(
     front = (dot(normal, direct.toward) > 0) | (2 * at_half * up > out)
     radiance = torch.where(front, direct.frontal / direct.solid_angle, 0.0)
     tan_in, tan_out = (1 / (c * c) - 1 for c in (into, out))
-    strength = radiance * at_half / (out * up)
-    return AreaSpecular(strength, basis(at_half), tan_in, tan_out, outline)
+    return AreaSpecular(radiance * at_half / (out * up), basis(at_half), tan_in, tan_out, outline)
 
 
 def _round_place(direct: DirectIrradiance, normal: Tensor, view: Tensor, out: Tensor) -> tuple[Tensor, Tensor, Tensor]:

@@ -49,8 +49,7 @@ class DirectLights:
         self._geometry, self._samples, self._seen, self._clusters = geometry, samples, seen, clusters
         self._smoothing = ShadowFilter(samples, seen.surface)
         self._pixel = samples.pixel[: samples.surfaces]
-        owner = geometry.object[samples.hits.triangle[: samples.surfaces]]
-        self._on_center = owner == samples.owner[self._pixel]
+        self._on_center = geometry.object[samples.hits.triangle[: samples.surfaces]] == samples.owner[self._pixel]
         self._kept: dict[int, _Shadowed] = {}
         self._shared: dict[int, tuple[tuple[float, ...], Tensor]] = {}  # shadows of clusters, by row
 

@@ -106,8 +106,7 @@ def _images(gathered: IndirectLight, worlds: list[Tensor], around: Tensor) -> tu
     if len(worlds) == 2:
         return (0.0, GLOSSY, 1.0), [first, last, around]
     # Between the two, surfaces are the mean of both; the world has a level of its own.
-    opening = (gathered.open_mirror + gathered.open_glossy) / 2
-    between = (gathered.mirror + gathered.glossy) / 2 + worlds[1] * opening
+    between = (gathered.mirror + gathered.glossy) / 2 + worlds[1] * ((gathered.open_mirror + gathered.open_glossy) / 2)
     return (0.0, SATIN, GLOSSY, 1.0), [first, between, last, around]
 
 
