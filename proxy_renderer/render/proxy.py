@@ -166,7 +166,7 @@ class Proxy:
             return None
         settings = RenderValues(self.scene, values, self.device)
         sky = sky_of(self.environment, settings)
-        colors = surfaces.colors_by_owner(light_sources(self.scene, settings, self._made) + sky.lamps, sky)
+        colors = surfaces.colors_by_owner([*light_sources(self.scene, settings, self._made), *sky.lamps], sky)
         picture = correction.layered(colors)
         if picture is None:
             return None
