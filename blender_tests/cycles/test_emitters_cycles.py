@@ -32,7 +32,7 @@ def test_the_halo_of_a_bulb_in_fog(tmp_path):
     proxy = Proxy(load_scene(tmp_path), (64, 64))
     with torch.no_grad():
         picture = proxy.render({}).display
-    assert proxy.emitters.materials
+    assert any(proxy.emitters.clusters.values())
     found = difference(picture, cycles)
     print(found, cycles.mean(), picture.mean())
     assert found.delta_e < 2.0

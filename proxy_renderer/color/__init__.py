@@ -1,5 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Color: spaces, differences, blackbody light and the view transform.
-
-`constants` has every number once. `floats`, `arrays` and `tensors` convert plain floats, numpy arrays and torch tensors.
-"""
+"""Color: spaces, differences, blackbody light and the view transform, of plain floats, numpy arrays and torch tensors."""

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Color conversions of single colors, as plain floats: sRGB, linear Rec.709, CIE Lab and OKLab. Needs neither torch nor numpy.
-
-`arrays` has some of these functions for numpy arrays, `tensors` for torch tensors.
-"""
+"""Color conversions of single colors, as plain floats: sRGB, linear Rec.709, CIE Lab and OKLab. Needs neither torch nor numpy."""
 
 import math
 import re
@@ -12,12 +9,10 @@ from ..schema import Values
 from . import constants as c
 from .constants import Lab
 
-_HEX = re.compile("#[0-9a-fA-F]{6}")
-
 
 def is_hex(text: str) -> bool:
     """True if a text is a color as "#rrggbb"."""
-    return bool(_HEX.fullmatch(text))
+    return bool(re.fullmatch("#[0-9a-fA-F]{6}", text))
 
 
 def srgb_from_hex(text: str) -> Values:
@@ -68,7 +63,12 @@ def luminance(linear: Sequence[float]) -> float:
 def lab_from_srgb(srgb: Sequence[float]) -> Lab:
     """CIE Lab of sRGB in [0, 1]."""
     xyz = _apply(c.XYZ_FROM_REC709, linear_from_srgb(srgb))
-    x, y, z = (_lab_curve(v / white) for v, white in zip(xyz, c.WHITE, strict=True))
+    curved = []
+    for value, white in zip(xyz, c.WHITE, strict=True):
+        ratio = value / white
+        line = ratio * c.LAB_RISE / c.LAB_RUN + c.LAB_OFFSET
+        curved.append(ratio ** (1 / 3) if ratio > c.LAB_DELTA**3 else line)
+    x, y, z = curved
     return 116 * y - 16, 500 * (x - y), 200 * (y - z)
 
 
@@ -76,7 +76,8 @@ def srgb_from_lab(lab: Lab) -> Values:
     """sRGB of CIE Lab, clamped to the gamut."""
     y = (lab[0] + 16) / 116
     curved = (y + lab[1] / 500, y, y - lab[2] / 200)
-    xyz = [white * _lab_curve_inverse(v) for v, white in zip(curved, c.WHITE, strict=True)]
+    ratios = (v**3 if v > c.LAB_DELTA else (v - c.LAB_OFFSET) * c.LAB_RUN / c.LAB_RISE for v in curved)
+    xyz = [white * ratio for ratio, white in zip(ratios, c.WHITE, strict=True)]
     return srgb_from_linear(_apply(c.REC709_FROM_XYZ, xyz))
 
 
@@ -95,14 +96,6 @@ def srgb_from_oklab(lab: Lab) -> Values:
 def chroma(lab: Lab) -> float:
     """Chroma of a Lab or OKLab color: its distance from gray."""
     return math.hypot(lab[1], lab[2])
-
-
-def _lab_curve(ratio: float) -> float:
-    return ratio ** (1 / 3) if ratio > c.LAB_DELTA**3 else ratio * c.LAB_RISE / c.LAB_RUN + c.LAB_OFFSET
-
-
-def _lab_curve_inverse(curved: float) -> float:
-    return curved**3 if curved > c.LAB_DELTA else (curved - c.LAB_OFFSET) * c.LAB_RUN / c.LAB_RISE
 
 
 def _apply(matrix: c.ColorMatrix, vector: Sequence[float]) -> Lab:

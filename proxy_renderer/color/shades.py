@@ -38,11 +38,8 @@ def shade(
 ) -> Values:
     """A shade of an sRGB color.
 
-    Args:
-        lightness: 0 moves the lightness to `towards`, 1 keeps it.
-        chroma: Factor of the OKLab chroma.
-        towards: CIE L* in [0, 100].
-        warmth: In units of b*; moves the hue of grayish colors to orange (above 0) or blue (below 0).
+    A `lightness` of 0 moves the lightness to `towards`, CIE L* in [0, 100], 1 keeps it. `chroma` is a factor of the OKLab chroma.
+    `warmth`, in units of b*, moves the hue of grayish colors to orange (above 0) or blue (below 0).
     """
     light, a, b = oklab_from_srgb(srgb)
     warmth *= max(0.0, 1 - math.hypot(a, b) / 0.15)

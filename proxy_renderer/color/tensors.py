@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Colors as torch tensors (..., 3): spaces, CIEDE2000 differences, blackbody light, and look-up tables.
-
-Every conversion and difference is differentiable, and its gradient is finite everywhere.
-"""
+"""Colors as torch tensors (..., 3): spaces, CIEDE2000, blackbody light, look-up tables; differentiable, with finite gradients."""
 
 import math
 
@@ -12,6 +9,9 @@ from torch import Tensor
 from torch.nn import functional
 
 from . import constants as c
+
+_TINY = 1e-12
+_PARTS = 16  # of a batch of look-ups
 
 
 def luminance(linear: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels 1"]:
@@ -51,9 +51,6 @@ def oklab_from_srgb(display: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixe
 def lab_from_srgb(display: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels 3"]:
     """CIE Lab (D65) of sRGB-encoded images (..., 3) in [0, 1]."""
     return lab_from_linear(linear_from_srgb(display))
-
-
-_TINY = 1e-12
 
 
 def _root(squared: Tensor) -> Tensor:
@@ -149,14 +146,9 @@ def blackbody(kelvin: Tensor) -> Tensor:
     return torch.stack((red, green, blue), -1).clamp_min(0.0)
 
 
-_PARTS = 16
-
-
 def trilinear(table: Tensor, place: Tensor) -> Tensor:
-    """Values (C, N) of a table (1, C, D, H, W), interpolated trilinearly at places (N, 3) in [-1, 1], in the order (W, H, D).
-
-    Outside, values of the border go on. Places are split into a batch of `_PARTS`: torch's CPU kernel uses one core per member.
-    """
+    """Values (C, N) of a table (1, C, D, H, W), interpolated trilinearly at places (N, 3) in [-1, 1], in the order (W, H, D); clamped outside."""
+    # A batch of parts: torch's CPU kernel uses one core per member.
     parts = functional.pad(place, (0, 0, 0, -len(place) % _PARTS)).view(_PARTS, -1, 1, 1, 3)
     tables = table.expand(_PARTS, -1, -1, -1, -1)
     values = functional.grid_sample(tables, parts, padding_mode="border", align_corners=True)

@@ -35,6 +35,8 @@ from .geometry.visibility import Hits, RayGeometry
 from .lights.environment import has_own_backdrop
 from .surface.view_cache import ViewCache
 
+Tensors = Mapping[str, Tensor]
+
 REST = "rest"  # owner of light that belongs to no light group: of glowing surfaces, and of what cannot be grouped
 _RATIO = 4.0
 _DARK = 0.02  # in mean radiances: darker pixels count as equally dark
@@ -42,8 +44,6 @@ _FAINT = 2e-3  # in mean radiances: ratios between darker pixels are unreliable
 _BRIGHTER = 16.0  # largest factor by which a residual grows with its light
 _LAYER_BRIGHTER = 8.0  # the same for a layer: layers of lights that were nearly off are noise
 _OFF = 1e-9  # color below which a light counts as off
-_OF_LIGHTS = ("power", "strength", "color", "temperature")
-_OF_WORLD = ("strength", "color", "tint")
 _LEAST = 0.05  # share of c P that must remain of a pixel after residuals
 _HAZY = 0.05  # in mean radiances: darker parts of the proxy are smoothed as if they were even
 _FAR = 1e4  # distance at which the background is looked up, in sizes of the scene
@@ -62,34 +62,24 @@ class Correction:
 
     view: View  # the camera of the anchor
     guide: Tensor  # (H, W) int64 number of the object and material that a pixel shows; -1 for none
-    colors: Mapping[str, Tensor]  # owner to s_g(θ₀), (3,)
-    values: Mapping[str, Tensor]  # θ₀
+    colors: Tensors  # owner, as "light/NAME" or "world", to s_g(θ₀), (3,)
+    values: Tensors  # θ₀
     dark: float  # radiance below which pixels count as equally dark
     stops: Tensor  # (P,) brightness of the proxy's image at θ₀, in stops
+    parts: Tensors  # owner to the proxy's own image (3, P) of its light at θ₀
+    rest: Tensor  # (3, P) the proxy's light at θ₀ that belongs to no owner: of glowing surfaces
     fields: Tensor  # (3 (2 + G), P): c, the least share of P that must remain, and the owners' residuals
-    owners: tuple[str, ...]  # the G owners, `REST` among them
+    owners: tuple[str, ...]  # the G owners that Cycles' image has parts of, `REST` among them
     _kept: tuple[ViewCache, Tensor] | None = field(default=None, repr=False)
 
     @staticmethod
     def of(
-        picture: CyclesPicture,
-        whole: Tensor,
-        parts: Mapping[str, Tensor],
-        colors: Mapping[str, Tensor],
-        values: Mapping[str, Tensor],
-        view: View,
-        cache: ViewCache,
+        picture: CyclesPicture, whole: Tensor, parts: Tensors, colors: Tensors, values: Tensors, cache: ViewCache
     ) -> Correction:
-        """Compares Cycles' image with the proxy's at the same values.
-
-        Args:
-            whole: (3, P) the proxy's linear image.
-            parts: Owner to the proxy's image (3, P) of its light alone.
-            colors: Owner to the color (3,) of its light.
-        """
+        """Compares Cycles' image with the proxy's at the same values: its `whole` (3, P), its `parts` (3, P) by owner of the light."""
         guide = _names(cache.samples.center_hits, cache.geometry).view(cache.depth.shape)
         known_owners = [owner for owner in picture.parts if owner in parts]
-        reference = _flat(picture.whole).to(whole)
+        reference = picture.whole.flatten(0, 1).T.to(whole)  # (3, P)
         if not picture.denoised:  # take the proxy's detail instead of the noise
             above, below, faint = _compared(reference, whole, guide)
             reference = (whole.clamp_min(0.0) + faint) * above / (below + faint)
@@ -103,53 +93,62 @@ class Correction:
         fields = torch.cat((ratio, least, residuals.flatten(0, 1)))
         values = {key: value.detach() for key, value in values.items()}
         dark = 1e-6 + _DARK * float(whole.mean())
-        kept = view.detached(), guide, colors, values, dark, _stops(whole, dark)
-        return Correction(*kept, fields, (*known_owners, REST))
+        kept = cache.view, guide, colors, values, dark, _stops(whole, dark), parts
+        rest = whole - sum(parts.values(), torch.zeros_like(whole))
+        return Correction(*kept, rest, fields, (*known_owners, REST))
 
-    def fits(self, view: View) -> bool:
-        """True if a view's pixels are those of the anchor."""
-        return view.signature() == self.view.signature()
-
-    def pixels(self, linear: Tensor, colors: Mapping[str, Tensor]) -> Tensor:
-        """Corrected pixels (3, P) of a view that `fits`, at the owners' current colors (3,); differentiable."""
-        return self._apply(linear, colors, self.fields)
+    def pixels(self, linear: Tensor, colors: Tensors, fields: Tensor | None = None) -> Tensor:
+        """Corrected pixels (3, P) of the anchor's view, at the owners' current colors (3,); `fields` replace those of its pixels."""
+        fields = self.fields if fields is None else fields
+        corrected = fields[:3] * linear
+        for residual, owner in zip(fields[6:].split(3), self.owners, strict=True):
+            before, now = self.colors.get(owner), colors.get(owner)
+            if before is None or now is None:  # `REST` has no color
+                corrected = corrected + residual
+            else:  # times s_g(θ) / s_g(θ₀), 0 for a light that was off
+                growth, off = _grown(before, now)
+                corrected = corrected + residual * torch.where(off, 0.0, growth).clamp_max(_BRIGHTER)[:, None]
+        return torch.maximum(corrected, fields[3:6] * linear)
 
     def samples(
-        self, radiance: Tensor, colors: Mapping[str, Tensor], view: View, cache: ViewCache, before: Callable[[], Tensor]
+        self, radiance: Tensor, colors: Tensors, view: View, cache: ViewCache, before: Callable[[], Tensor]
     ) -> Tensor:
         """Corrected radiance (3, N) of another view's samples: not of its pixels, so that outlines stay smooth.
 
-        `before` renders the proxy's radiance (3, N) of these samples at θ₀.
+        `before` renders the proxy's radiance (3, N) of these samples at θ₀. Fields are looked up where the anchor saw the same
+        surfaces, and are neutral where it did not.
         """
         if self._kept is None or self._kept[0] is not cache:
             with torch.no_grad():
-                self._kept = cache, self._look_up(cache, view, before)
-        return self._apply(radiance, colors, self._kept[1])
+                samples, geometry = cache.samples, cache.geometry
+                neutral = torch.zeros(len(self.fields), device=self.fields.device)
+                neutral[:3] = 1.0
+                reach = samples.hits.distance.clamp_max(_FAR * geometry.size)
+                place = self.view.project(samples.origin + samples.toward * reach)
+                bright = None if view.moving else (self.stops, _stops(before(), self.dark))
+                names = _names(samples.hits, geometry)
+                self._kept = cache, look_up(self.fields, self.guide, place, names, neutral, bright)
+        return self.pixels(radiance, colors, self._kept[1])
 
-    def _apply(self, linear: Tensor, colors: Mapping[str, Tensor], fields: Tensor) -> Tensor:
-        ratio, least = fields[:3], fields[3:6]
-        corrected = ratio * linear
-        for i, owner in enumerate(self.owners):
-            corrected = corrected + fields[6 + 3 * i : 9 + 3 * i] * self._growth(owner, colors)
-        return torch.maximum(corrected, least * linear)
+    def has_layers_for(self, values: Tensors, scene: SceneData) -> bool:
+        """True if other values differ from θ₀ only in powers and colors of lights, or in values of the film."""
+        for key in values.keys() | self.values.keys():
+            if not key.startswith("film/") and not is_of_light(key, scene):
+                own = torch.tensor(scene.value(key), dtype=torch.float32)
+                one, other = (each.get(key, own).detach().reshape(-1).cpu().float() for each in (values, self.values))
+                if not torch.equal(one, other):
+                    return False
+        return True
 
-    def _growth(self, owner: str, colors: Mapping[str, Tensor]) -> Tensor | float:
-        """s_g(θ) / s_g(θ₀), (3, 1), at most `_BRIGHTER`; 0 for a light that was off, 1 for `REST`, which has no color."""
-        before, now = self.colors.get(owner), colors.get(owner)
-        if before is None or now is None:
-            return 1.0
-        growth, off = _grown(before, now)
-        return torch.where(off, 0.0, growth).clamp_max(_BRIGHTER)[:, None]
-
-    def _look_up(self, cache: ViewCache, view: View, before: Callable[[], Tensor]) -> Tensor:
-        """The fields at the samples, looked up where the anchor saw the same surfaces; neutral ones where it did not."""
-        samples, geometry = cache.samples, cache.geometry
-        neutral = torch.zeros(len(self.fields), device=self.fields.device)
-        neutral[:3] = 1.0
-        reach = samples.hits.distance.clamp_max(_FAR * geometry.size)
-        place = self.view.project(samples.origin + samples.toward * reach)
-        bright = None if view.moving else (self.stops, _stops(before(), self.dark))
-        return look_up(self.fields, self.guide, place, _names(samples.hits, geometry), neutral, bright)
+    def layered(self, colors: Tensors) -> Tensor | None:
+        """The proxy's image (3, P) at other colors (3,) of the owners, a sum of its parts; None if a light was off, or grew too much."""
+        whole = self.rest
+        for owner, part in self.parts.items():
+            growth, off = _grown(self.colors[owner], colors[owner])
+            if bool((growth > _LAYER_BRIGHTER).any()) or bool((off & (colors[owner] > _OFF)).any()):
+                return None
+            whole = whole + part * growth[:, None]
+        return whole
 
 
 def _grown(before: Tensor, now: Tensor) -> tuple[Tensor, Tensor]:
@@ -169,11 +168,6 @@ def _names(hits: Hits, geometry: RayGeometry) -> Tensor:
     return torch.where(hits.hit, geometry.object[index] * 4096 + geometry.material[index], -1)
 
 
-def _flat(picture: Tensor) -> Tensor:
-    """Reshapes an image (…, H, W, 3) to (…, 3, P)."""
-    return picture.flatten(-3, -2).transpose(-1, -2)
-
-
 def _compared(reference: Tensor, whole: Tensor, guide: Tensor) -> tuple[Tensor, Tensor, Tensor]:
     """Cycles' and the proxy's image (3, P), both smoothed, and a radiance () below which their ratio is unreliable."""
     above, below = blur(torch.cat((reference, whole)), guide).split(3)
@@ -181,13 +175,12 @@ def _compared(reference: Tensor, whole: Tensor, guide: Tensor) -> tuple[Tensor, 
 
 
 def _shares(picture: CyclesPicture, known_owners: list[str], proxy: Tensor, guide: Tensor) -> Tensor:
-    """Shares (G, 3, P) of Cycles' image that the known owners, and the rest, have; their sum is 1.
-
-    Noise is removed by smoothing the ratio to the proxy's part, whose sharp shadows stay.
-    """
+    """Shares (G, 3, P) of Cycles' image that the known owners, and the rest, have; their sum is 1."""
     other = sum((p for o, p in picture.parts.items() if o not in known_owners), picture.rest)
-    noisy = _flat(torch.stack([*(picture.parts[owner] for owner in known_owners), other])).to(proxy)
+    noisy = torch.stack([*(picture.parts[owner] for owner in known_owners), other])
+    noisy = noisy.flatten(1, 2).transpose(1, 2).to(proxy)  # (G, 3, P)
     model = proxy.clamp_min(0.0) + _HAZY * proxy.abs().mean()
+    # Noise is removed by smoothing the ratio to the proxy's part, whose sharp shadows stay.
     above, below = (blur(p.flatten(0, 1), guide) for p in (noisy, model))
     parts = model * (above / below.clamp_min(1e-20)).view_as(model)
     total = parts.sum(0)
@@ -221,12 +214,9 @@ def look_up(
 ) -> Tensor:
     """Weighted averages (C, N) of an image's fields (C, P) around places (2, N) in pixels.
 
-    Args:
-        guide: (H, W) number of what each pixel shows, see `_names`.
-        names: (N,) number that a pixel must have to count at a place.
-        neutral: (C,) result where no pixel near the place has that number.
-        stops: Brightness of the pixels (P,) and of the places (N,). If given, only pixels about as bright count, so that fields
-            of a highlight stay in the highlight.
+    Only pixels count whose number in the guide (H, W), see `_names`, is the place's in `names` (N,); the result is `neutral` (C,)
+    where there are none nearby. With `stops`, the brightness of the pixels (P,) and of the places (N,), only pixels about as bright
+    count, so that fields of a highlight stay in the highlight.
     """
     height, width = guide.shape
     # Pixels whose neighbors show something else weigh little.
@@ -253,44 +243,13 @@ def look_up(
     return torch.where(covered, total.T / torch.where(covered, weights, 1.0), neutral[:, None])
 
 
-@dataclass(frozen=True)
-class AnchorLayers:
-    """The proxy's own image at the anchor's values, split by the owners of its light."""
-
-    values: Mapping[str, Tensor]  # key to (components,); missing ones are the scene's
-    colors: Mapping[str, Tensor]  # owner, as "light/NAME" or "world", to the color (3,) of its light
-    parts: Mapping[str, Tensor]  # the same owners to their light (3, P)
-    rest: Tensor  # (3, P) light that belongs to no owner: of glowing surfaces
-
-    def serve(self, values: Mapping[str, Tensor], scene: SceneData) -> bool:
-        """True if other values differ from these only in powers and colors of lights, or in values of the film."""
-        keys = (key for key in values.keys() | self.values.keys() if not key.startswith("film/"))
-        return all(is_of_light(key, scene) or self._stays(key, values, scene) for key in keys)
-
-    def _stays(self, key: str, values: Mapping[str, Tensor], scene: SceneData) -> bool:
-        own = torch.tensor(scene.value(key), dtype=torch.float32)
-        one, other = (each.get(key, own).detach().reshape(-1).cpu().float() for each in (values, self.values))
-        return torch.equal(one, other)
-
-    def picture(self, colors: Mapping[str, Tensor]) -> Tensor | None:
-        """The image (3, P) at other colors (3,) of the owners; None if a light was off, or has grown too much for its layer."""
-        whole = self.rest
-        for owner, part in self.parts.items():
-            before, now = self.colors[owner], colors[owner]
-            growth, off = _grown(before, now)
-            if bool((growth > _LAYER_BRIGHTER).any()) or bool((off & (now > _OFF)).any()):
-                return None
-            whole = whole + part * growth[:, None]
-        return whole
-
-
 def is_of_light(key: str, scene: SceneData) -> bool:
     """True if an image is linear in a parameter of a light or the world, or in the light's color that follows from it."""
     group, _, name = split_key(key)
     if group == "light":
-        return name in _OF_LIGHTS
+        return name in ("power", "strength", "color", "temperature")
     # A backdrop with its own color and strength does not change with the world's.
-    return group == "world" and name in _OF_WORLD and not has_own_backdrop(scene)
+    return group == "world" and name in ("strength", "color", "tint") and not has_own_backdrop(scene)
 
 
 @dataclass(frozen=True)
@@ -298,7 +257,7 @@ class CyclesPicture:
     """A Cycles render, and its parts by the owner of the light."""
 
     whole: Tensor  # (H, W, 3) linear Rec.709, finite, at least 0
-    parts: Mapping[str, Tensor]  # "light/NAME" or "world" to the noisy image (H, W, 3) of its light alone
+    parts: Tensors  # "light/NAME" or "world" to the noisy image (H, W, 3) of its light alone
     rest: Tensor  # (H, W, 3) noisy image of the light that is in no part
     denoised: bool = True  # whether the whole is free of noise
 
@@ -310,38 +269,25 @@ class CyclesPicture:
     @staticmethod
     def load(path: Path | str, groups: Mapping[str, str]) -> CyclesPicture:
         """Reads an anchor rendered by Blender; `groups` maps its light groups to owners. Raises VibeError if a layer is missing."""
-        layers = _layers(Path(path))
-        denoised = "Noisy Image" in layers  # some builds of Blender have no denoiser
-        layers.setdefault("Noisy Image", layers.get("Combined", np.empty(0)))
-        wanted = {"Combined": "", "Noisy Image": "", **{f"Combined_{g}": o for g, o in groups.items()}}
-        if missing := sorted(set(wanted) - set(layers)):
-            raise _unreadable(f"it has no layer {missing[0]!r}")
-        pictures = {name: _finite(layers[name]) for name in wanted}
-        whole, noisy = pictures.pop("Combined"), pictures.pop("Noisy Image")
-        parts = {wanted[name]: picture for name, picture in pictures.items()}
-        rest = noisy - sum(parts.values(), torch.zeros_like(noisy))
-        rest = torch.where(rest > _ROUNDING * noisy, rest, torch.zeros_like(rest))
-        return CyclesPicture(whole, parts, rest, denoised)
+        import OpenEXR
 
-
-def _layers(path: Path) -> dict[str, np.ndarray]:
-    """Name of a pass to its colors (H, W, 3); Blender 4 writes all passes into one part of the file, Blender 5 one part each."""
-    import OpenEXR
-
-    try:
-        with OpenEXR.File(str(path)) as file:
-            channels = [pair for part in file.parts for pair in part.channels.items()]
-            passes = {name.partition(".")[2]: np.array(c.pixels, np.float32) for name, c in channels}
-    except (OSError, RuntimeError, ValueError, TypeError) as error:
-        raise _unreadable(str(error)) from error
-    return {name: p[..., :3] for name, p in passes.items() if p.ndim == 3 and p.shape[2] >= 3}
-
-
-def _unreadable(reason: str) -> VibeError:
-    return VibeError(f"Cycles' picture cannot be read: {reason}.", "Try again.")
-
-
-def _finite(picture: np.ndarray) -> Tensor:
-    """Finite light (H, W, 3), at least 0."""
-    picture = np.nan_to_num(picture, nan=0.0, posinf=_BRIGHTEST, neginf=0.0)
-    return torch.from_numpy(np.ascontiguousarray(picture.clip(0.0, _BRIGHTEST)))
+        owners = {f"Combined_{group}": owner for group, owner in groups.items()}
+        try:
+            # Blender 4 writes all passes into one part of the file, Blender 5 one part each.
+            with OpenEXR.File(str(path)) as file:
+                channels = [pair for part in file.parts for pair in part.channels.items()]
+                passes = {name.partition(".")[2]: np.array(c.pixels, np.float32) for name, c in channels}
+            passes = {name: p[..., :3] for name, p in passes.items() if p.ndim == 3 and p.shape[2] >= 3}
+            if missing := sorted({"Combined", *owners} - passes.keys()):
+                raise ValueError(f"it has no layer {missing[0]!r}")
+        except (OSError, RuntimeError, ValueError, TypeError) as error:
+            raise VibeError(f"Cycles' picture cannot be read: {error}.", "Try again.") from error
+        raw = "Noisy Image" if "Noisy Image" in passes else "Combined"  # some builds of Blender have no denoiser
+        pictures = {}
+        for name in ("Combined", raw, *owners):
+            picture = np.nan_to_num(passes[name], nan=0.0, posinf=_BRIGHTEST, neginf=0.0).clip(0.0, _BRIGHTEST)
+            pictures[name] = torch.from_numpy(np.ascontiguousarray(picture))
+        parts = {owner: pictures[name] for name, owner in owners.items()}
+        rest = pictures[raw] - sum(parts.values(), torch.zeros_like(pictures[raw]))
+        rest = torch.where(rest > _ROUNDING * pictures[raw], rest, torch.zeros_like(rest))
+        return CyclesPicture(pictures["Combined"], parts, rest, raw != "Combined")

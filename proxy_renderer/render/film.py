@@ -39,31 +39,25 @@ class Film:
         self._gain = spec.gain
         self._compositor: Tensor | None = None  # (1, 3, S, S, S), with values in stops, as its axes are
         if spec.compositor is not None:
-            table = torch.from_numpy(spec.compositor).permute(3, 0, 1, 2)
-            self._compositor = table[None].contiguous().to(device)
+            self._compositor = torch.from_numpy(spec.compositor).permute(3, 0, 1, 2)[None].contiguous().to(device)
         self._falloff = falloff(*size).to(device)
 
     def develop(self, linear: Tensor, values: Mapping[str, Tensor], alpha: Tensor | None = None) -> Tensor:
         """Display-encoded image (H, W, 3) in [0, 1]; transparent parts are black.
 
-        Args:
-            linear: (H, W, 3) scene-linear light before the grade, multiplied by alpha.
-            values: Parameter key to components; missing ones are neutral.
-            alpha: (H, W) coverage; None if the film shows the background.
+        `linear` (H, W, 3) is scene-linear light before the grade, multiplied by `alpha` (H, W), the coverage; None if the film shows
+        the background. `values` maps parameter keys to components; missing ones are neutral.
         """
         graded = self.grade(linear, values)
         if alpha is None:
             return self.show(graded, values)
-        # Blender divides by alpha before its view transform (imbuf, IMB_colormanagement). PNGs are left so; here the
-        # result is put on black.
+        # Blender divides by alpha before its view transform (imbuf, IMB_colormanagement). PNGs are left so; here the result
+        # is put on black.
         alpha = alpha.clamp(0, 1)[..., None]
         return self.show(graded / alpha.clamp_min(_CLEAR), values) * alpha
 
     def grade(self, linear: Tensor, values: Mapping[str, Tensor]) -> Tensor:
-        """Applies the renderer's gain, the artist's compositor, and the steps of "Vibe Grade" in its order.
-
-        Steps with neutral values are left out unless they need gradients.
-        """
+        """Applies the renderer's gain, the artist's compositor, and the steps of "Vibe Grade" in its order."""
         set_ = _Settings(values, linear)
         c = linear if self._gain == 1.0 else linear * self._gain
         if self._compositor is not None:
@@ -105,9 +99,8 @@ class _Settings:
         self._values, self._like = values, like
 
     def __getitem__(self, name: str) -> Tensor:
-        key = f"film/{name}"
-        value = self._values.get(key)
-        return value if value is not None else self._like.new_full((1,), FAMILIES[key].default)
+        value = self._values.get(f"film/{name}")
+        return value if value is not None else self._like.new_full((1,), FAMILIES[f"film/{name}"].default)
 
     def moves(self, *names: str) -> bool:
         """True if any of the named values is not neutral, or needs a gradient."""
@@ -122,8 +115,7 @@ def power(picture: Picture, exponent: Amount) -> Picture:
 
 def lift_gamma_gain(picture: Picture, lift: Channels, midtone: Channels, gain: Channels) -> Picture:
     """Blender's Color Balance node, type Lift/Gamma/Gain; each color (3,), 1 for no change."""
-    lifted = (picture - 1) * (2 - lift) + 1
-    scaled = lifted * gain
+    scaled = ((picture - 1) * (2 - lift) + 1) * gain
     return scaled.clamp_min(_BLACK) ** (1 / midtone.clamp_min(_BLACK)) * (scaled > 0)
 
 
@@ -161,26 +153,22 @@ def falloff(width: int, height: int) -> Float[Tensor, "{height} {width} 1"]:
 
 
 def bloom(picture: Tensor) -> Tensor:
-    """Light (H, W, 3) that the Glare node would add at strength 1 to a linear image (H, W, 3).
-
-    If the highlights are even over the whole image, the added light equals them.
-    """
-    layers = [_highlights(picture).permute(2, 0, 1)[None]]
+    """Light (H, W, 3) that the Glare node would add at strength 1 to a linear image (H, W, 3); even highlights add their own light."""
+    # Colors whose HSV value is lowered by the bloom threshold, with a smooth start.
+    value = picture.amax(-1, keepdim=True)
+    near = (BLOOM_SMOOTHNESS - (value - BLOOM_THRESHOLD).abs()).clamp_min(0) / BLOOM_SMOOTHNESS
+    above = (value - BLOOM_THRESHOLD).clamp_min(0) + near * near * (BLOOM_SMOOTHNESS / 4)
+    highlights = picture.clamp_min(0) * (above / value.clamp_min(1e-6))
+    layers = [highlights.permute(2, 0, 1)[None]]
     length = int(math.log2(max(min(picture.shape[:2]) * BLOOM_SIZE, 1)))
     for level in range(length - 1):
         layers.append(_halve(layers[-1], calm=level == 0))
     total = layers[-1]
     for finer in reversed(layers[:-1]):
-        total = finer + _tent(functional.interpolate(total, size=finer.shape[-2:], mode="bilinear"))
+        wide = functional.interpolate(total, size=finer.shape[-2:], mode="bilinear")
+        around = functional.pad(wide, (1, 1, 1, 1), mode="replicate")
+        total = finer + functional.avg_pool2d(functional.avg_pool2d(around, 2, 1), 2, 1)  # the filter (1, 2, 1)² / 16
     return total[0].permute(1, 2, 0) / len(layers)
-
-
-def _highlights(picture: Tensor) -> Tensor:
-    """Colors (H, W, 3) whose HSV value is lowered by the bloom threshold, with a smooth start."""
-    value = picture.amax(-1, keepdim=True)
-    near = (BLOOM_SMOOTHNESS - (value - BLOOM_THRESHOLD).abs()).clamp_min(0) / BLOOM_SMOOTHNESS
-    above = (value - BLOOM_THRESHOLD).clamp_min(0) + near * near * (BLOOM_SMOOTHNESS / 4)
-    return picture.clamp_min(0) * (above / value.clamp_min(1e-6))
 
 
 def _halve(layer: Tensor, calm: bool) -> Tensor:
@@ -204,9 +192,3 @@ def _corners(field: Tensor) -> Tensor:
     """Mean of the corners of every 3×3 square."""
     wide = field[..., :-2] + field[..., 2:]
     return (wide[..., :-2, :] + wide[..., 2:, :]) / 4
-
-
-def _tent(layer: Tensor) -> Tensor:
-    """The 3×3 filter (1, 2, 1)² / 16."""
-    around = functional.pad(layer, (1, 1, 1, 1), mode="replicate")
-    return functional.avg_pool2d(functional.avg_pool2d(around, 2, 1), 2, 1)

@@ -5,16 +5,15 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import torch
 from torch import Tensor
 from torch.nn import functional
 
-from ..scene import Material, SceneData
-from ..scene.values import Remembered, RenderValues, needs_gradient
+from ..scene import SceneData
+from ..scene.values import Recent, RenderValues, needs_gradient
 from ..schema import FAMILIES, VibeError
-from .cycles import AnchorLayers, Correction, CyclesPicture
+from .cycles import Correction, CyclesPicture
 from .film import Film
 from .geometry.camera import View, view_of
 from .lights.emitters import Emitters
@@ -56,10 +55,8 @@ class Proxy:
     Rays are traced on the CPU, and only where camera, lights, mirrors or glass have changed since the last render. `correction`
     comes from a Cycles render, see `anchor`; None for the plain proxy.
 
-    Args:
-        seed: For the jitter of bounce rays.
-        fine: Whether smooth materials get several samples in every pixel, so that their reflections are antialiased. The values
-            at a camera's first render decide which are smooth. For images to look at; loops do without.
+    `seed` is for the jitter of bounce rays. If `fine`, smooth materials get several samples in every pixel, so that their
+    reflections are antialiased, for images to look at. The values at a camera's first render decide which are smooth.
     """
 
     def __init__(
@@ -71,11 +68,13 @@ class Proxy:
         self.environment = Environment(scene, self.device)
         self.film = Film(scene.film, size, device)
         self.volume = SingleScattering(self.geometry.clear)
+        # A typical distance of what is seen, meters.
+        self._near = float(scene.references.get("view_distance", self.geometry.size))
         self.emitters = Emitters(self.geometry, self._near)
         self.correction: Correction | None = None
         self._cache: ViewCache | None = None
-        self._made = Remembered()
-        self._layers: tuple[Correction, AnchorLayers, LatentImage] | None = None  # of the last anchor
+        self._made = Recent()
+        self._anchored: tuple[Correction, LatentImage] | None = None  # the last anchor
         self._undeveloped: tuple[LatentImage, Mapping[str, Tensor], Correction | None] | None = None
 
     def render(self, values: Mapping[str, Tensor]) -> Render:
@@ -100,27 +99,26 @@ class Proxy:
     def develop(self, latent: LatentImage, values: Mapping[str, Tensor]) -> Render:
         """Applies grade and view transform to the result of `expose`; of the values, only the film's are used."""
         settings = RenderValues(self.scene, values, self.device)
-        film = {key: settings.color(key) for key in _FILM_KEYS if settings.has(key)}
-        display = self.film.develop(latent.linear, film, latent.alpha)
-        return Render(display=display, **vars(latent))
+        film = {key: settings.color(key) for key in _FILM_KEYS if key in values or key in self.scene.instances}
+        return Render(display=self.film.develop(latent.linear, film, latent.alpha), **vars(latent))
 
     def expose(self, values: Mapping[str, Tensor], cache: ViewCache | None = None) -> LatentImage:
         """Renders the scene without grade and view transform; values of the film are ignored.
 
         With a `cache`, only lights that have moved are traced again: mirrors and glasses stay as they were traced, as they do for
-        gradients. If values differ from the anchor's only in powers and colors of lights, the image is a sum of the anchor's
-        layers.
+        gradients. If values differ from the anchor's only in powers and colors of lights, the image is `layered`.
         """
         if (latent := self.layered(values)) is not None:
             return latent
         frame = self._frame(values, cache)
         radiance, passing = self._light(frame)
         # If the anchor had another camera, the correction is looked up per sample, so that outlines stay smooth.
-        fits = self.correction is not None and self.correction.fits(frame.view)
+        fits = self.correction is not None and self.correction.view.signature() == frame.view.signature()
         if self.correction and not fits:
-            current = frame.owners, frame.view, frame.cache, lambda: self._before(values, frame.cache)
-            corrected = self.correction.samples(radiance[:3], *current)
-            radiance = torch.cat((corrected, radiance[3:]))
+            others = {k: v for k, v in self.correction.values.items() if not k.startswith("camera/")}
+            there = {**others, **{k: v.detach() for k, v in values.items() if k.startswith("camera/")}}
+            current = frame.owners, frame.view, frame.cache, lambda: self._light(self._frame(there, frame.cache))[0][:3]
+            radiance = torch.cat((self.correction.samples(radiance[:3], *current), radiance[3:]))
         picture, mask = _resolve(frame, radiance)
         if self.correction and fits:
             picture = torch.cat((self.correction.pixels(picture[:3], frame.owners), picture[3:]))
@@ -135,68 +133,58 @@ class Proxy:
             frame = self._frame(values)
             light, passing = self._through_fog(frame) if frame.fog.active else (0.0, None)
             clear = _transmittance(frame, passing)
-            gray = self._gray(frame) * (1.0 if passing is None else passing) + light
+            # Radiance (3, N) if every surface were diffuse with an albedo of 0.5; black where the world is seen.
+            direct_lights, table = surfaces.direct_lights_of(frame), surfaces.table_of(frame)
+            direct = surfaces.direct(list(zip(frame.lamps, direct_lights, strict=True)))
+            received = (self._gather(frame, table).irradiance + direct) / (2 * math.pi)
+            gray = functional.pad(received, (0, frame.cache.samples.place.shape[1] - received.shape[1]))
+            gray = gray * (1.0 if passing is None else passing) + light
             linear = _resolve(frame, gray)[0].view(3, *clear.shape).permute(1, 2, 0)
             latent = LatentImage(linear=linear, mask=clear, depth=clear, transmittance=clear)
-            shown = self.develop(latent, values)
-            return frame.cache.gbuffer(frame.view, clear, shown.display)
-
-    def _gray(self, frame: RenderState) -> Tensor:
-        """Radiance (3, N) of all samples if every surface were diffuse with an albedo of 0.5; black where the world is seen."""
-        direct_lights, table = surfaces.direct_lights_of(frame), surfaces.table_of(frame)
-        light = surfaces.irradiance(frame, direct_lights, self._gather(frame, table)) / (2 * math.pi)
-        return functional.pad(light, (0, frame.cache.samples.place.shape[1] - light.shape[1]))
+            return frame.cache.gbuffer(clear, self.develop(latent, values).display)
 
     def anchor(self, values: Mapping[str, Tensor], picture: CyclesPicture) -> Correction:
         """Makes Cycles' image of these values correct all further renders; raises VibeError if its size is not the proxy's."""
         if picture.size != self.size:
-            remedy = "Ask for that size."
-            raise VibeError(f"Cycles' picture has {picture.size} pixels instead of {self.size}.", remedy)
+            raise VibeError(f"Cycles' picture has {picture.size} pixels instead of {self.size}.", "Ask for that size.")
         with torch.no_grad():
             frame = self._frame(values)
             whole, colors = self._picture(frame), frame.owners
             emission = self._picture(frame.only(""))
             parts = {owner: self._picture(frame.only(owner)) - emission for owner in colors}
-            self.correction = Correction.of(picture, whole, parts, colors, values, frame.view, frame.cache)
-            rest = whole - sum(parts.values(), torch.zeros_like(whole))
-            layers = AnchorLayers(dict(values), colors, parts, rest)
-            self._layers = None  # the next line renders the anchor's own image without layers
-            self._layers = self.correction, layers, self.expose(values, frame.cache)
+            self.correction = Correction.of(picture, whole, parts, colors, values, frame.cache)
+            self._anchored = None  # the next line renders the anchor's own image without layers
+            self._anchored = self.correction, self.expose(values, frame.cache)
         return self.correction
 
     def layered(self, values: Mapping[str, Tensor]) -> LatentImage | None:
         """The latent image as a sum of the anchor's layers; None if values need gradients, or more than light and film differ."""
-        if self._layers is None or needs_gradient(*values.values()):
+        if self._anchored is None or needs_gradient(*values.values()):
             return None
-        correction, layers, anchor = self._layers
-        if correction is not self.correction or not layers.serve(values, self.scene):
+        correction, anchor = self._anchored
+        if correction is not self.correction or not correction.has_layers_for(values, self.scene):
             return None
         settings = RenderValues(self.scene, values, self.device)
         sky = sky_of(self.environment, settings)
-        lamps = light_sources(self.scene, settings, self._made) + sky.lamps
-        colors = surfaces.colors_by_owner(lamps, sky)
-        picture = layers.picture(colors)
+        colors = surfaces.colors_by_owner([*light_sources(self.scene, settings, self._made), *sky.lamps], sky)
+        picture = correction.layered(colors)
         if picture is None:
             return None
         linear = correction.pixels(picture, colors).view(-1, *self.size[::-1]).permute(1, 2, 0)
         return replace(anchor, linear=linear)
 
-    def _before(self, values: Mapping[str, Tensor], cache: ViewCache) -> Tensor:
-        """Radiance (3, N) at the samples of the current camera, with all other values as at the anchor."""
-        assert self.correction is not None
-        others = {k: v for k, v in self.correction.values.items() if not k.startswith("camera/")}
-        camera = {k: v.detach() for k, v in values.items() if k.startswith("camera/")}
-        return self._light(self._frame({**others, **camera}, cache))[0][:3]
-
     def _frame(self, values: Mapping[str, Tensor], cache: ViewCache | None = None) -> RenderState:
         """The state of a render at these values; with the traced view of another render if `cache` is given."""
         settings = RenderValues(self.scene, values, self.device)
         view = view_of(self.scene, settings, self.size)
-        shading_inputs = [self._inputs(m, settings) for m in self.scene.materials]
+        shading_inputs = []
+        for material in self.scene.materials:
+            # Unless `fine`, which is for large images, they keep terms computed from them for the next render.
+            made = partial(shading_inputs_of, material, settings, None if self.fine else {})
+            shading_inputs.append(settings.kept(self._made, f"material/{material.name}", made))
         if cache is None:
             # The traced view is dropped if a glass has changed, or a surface glows for the first time.
-            glass = torch.stack([surfaces.glass_transmittance(p) for p in shading_inputs])
-            if self.geometry.let_through(glass):
+            if self.geometry.let_through(torch.stack([surfaces.glass_transmittance(p) for p in shading_inputs])):
                 self._cache, self.volume = None, SingleScattering(self.geometry.clear)
             if self.emitters.notice(shading_inputs):
                 self._cache = None
@@ -207,17 +195,8 @@ class Proxy:
         fog = FogMedium(self.scene, settings)
         return RenderState(view, cache, cache.view_samples(view), lamps, sky, shading_inputs, fog)
 
-    def _inputs(self, material: Material, settings: RenderValues) -> ShadingInputs:
-        """The shading inputs of a material. Unless `fine`, which is for large images, they keep terms computed from them for the next render."""
-        kept: dict[str, Any] | None = None if self.fine else {}
-        made = partial(shading_inputs_of, material, settings, kept)
-        return self._made.of(f"material/{material.name}", settings, made)
-
     def _cache_of(self, view: View, shading_inputs: list[ShadingInputs], lamps: list[LightSource]) -> ViewCache:
-        """The traced view, traced again if the view has changed or a light of a cluster begins to move.
-
-        If mirrors have changed, only what they show is traced again; if `fine`, everything is.
-        """
+        """The traced view, traced again if the view has changed or a light of a cluster begins to move; if mirrors have, only what they show."""
         metals = torch.stack([surfaces.mirror_weight(p) for p in shading_inputs])
         kept = self._cache
         if kept is not None and kept.signature == view.signature() and kept.clusters.hold(lamps):
@@ -227,8 +206,7 @@ class Proxy:
                 self._cache = kept.with_mirrors(metals)
                 return self._cache
         smooth = torch.stack([surfaces.sharp(p) & self.fine for p in shading_inputs])
-        shape = metals, smooth, lamps, self.emitters
-        self._cache = ViewCache(self.scene, self.geometry, view, *shape, self.seed)
+        self._cache = ViewCache(self.scene, self.geometry, view, metals, smooth, lamps, self.emitters, self.seed)
         return self._cache
 
     def _picture(self, frame: RenderState) -> Tensor:
@@ -236,13 +214,9 @@ class Proxy:
         return _resolve(frame, self._light(frame)[0])[0][:3]
 
     def _light(self, frame: RenderState) -> tuple[Tensor, Tensor | None]:
-        """Radiance of all samples behind fog, (3, N), and the fog's transmittance (N,), None without fog.
-
-        With a transparent film, the radiance is (4, N): the last row is coverage.
-        """
+        """Radiance (3, N) of all samples behind fog, (4, N) with coverage if the film is transparent; and the fog's transmittance (N,), or None."""
         direct_lights, table = surfaces.direct_lights_of(frame), surfaces.table_of(frame)
-        gathered = self._gather(frame, table)
-        radiance = surfaces.radiance(frame, direct_lights, table, gathered)
+        radiance = surfaces.radiance(frame, direct_lights, table, self._gather(frame, table))
         if not frame.fog.active:
             return radiance, None
         light, passing = self._through_fog(frame)
@@ -250,11 +224,6 @@ class Proxy:
         if len(radiance) > 3:
             veiled = torch.cat((veiled, 1 - passing * (1 - radiance[3:])))
         return veiled, passing
-
-    @property
-    def _near(self) -> float:
-        """A typical distance of what is seen, meters."""
-        return float(self.scene.references.get("view_distance", self.geometry.size))
 
     def _gather(self, frame: RenderState, table: RadianceTable) -> IndirectLight:
         if not frame.fog.active:

@@ -15,6 +15,7 @@ from ..schema.light_links import LightLink
 from ..schema.orbit import Matrix, Vector
 
 Array = np.ndarray
+_LINKED = ("tint", "recolor", "rotation", "backdrop_color", "backdrop_tint", "backdrop_strength")
 
 
 @dataclass(frozen=True)
@@ -82,8 +83,6 @@ class Material:
 
     name: str
     role: str
-    model: str = "principled"
-    warning: str = ""
     alpha: float = 1.0  # opacity, or the mean of its map
     constants: Mapping[str, Any] = field(default_factory=dict)  # Principled inputs that no vibe changes
     texture: Texture | None = None  # base color, where nodes compute it; parameters tint it
@@ -224,8 +223,7 @@ class SceneData:
             if i.parameter.group == "material":
                 instances[key] = replace(i, role=roles.get(i.owner, i.role))
         dressed = tuple(replace(m, role=roles[m.name]) for m in materials.values())
-        mesh = replace(self.mesh, material=worn)
-        return replace(self, materials=dressed, mesh=mesh, instances=instances)
+        return replace(self, materials=dressed, mesh=replace(self.mesh, material=worn), instances=instances)
 
     @property
     def may_have_backdrop(self) -> bool:
@@ -242,13 +240,12 @@ class SceneData:
         mesh, count = self.mesh, len(corners)
         first = len(mesh.vertices) + 4 * np.arange(count)[:, None]
         faces = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])]).astype(np.int32)
-        flat = corners.reshape(-1, 3).astype(np.float32)
-        edges = flat.reshape(-1, 4, 3)
-        facet = np.cross(edges[:, 1] - edges[:, 0], edges[:, 2] - edges[:, 0])
+        quads = corners.astype(np.float32)
+        facet = np.cross(quads[:, 1] - quads[:, 0], quads[:, 2] - quads[:, 0])
         facet = np.tile(facet / np.linalg.norm(facet, axis=1, keepdims=True), (2, 1)).astype(np.float32)
         solid = next((i for i, m in enumerate(self.materials) if m.alpha == 1.0 and "alpha" not in m.maps), 0)
         more = SceneMesh(
-            vertices=np.concatenate([mesh.vertices, flat]),
+            vertices=np.concatenate([mesh.vertices, quads.reshape(-1, 3)]),
             faces=np.concatenate([mesh.faces, faces]),
             normals=np.concatenate([mesh.normals, np.repeat(facet[:, None], 3, axis=1)]),
             uvs=np.concatenate([mesh.uvs, np.zeros((len(faces), 3, 2), np.float32)]),
@@ -265,9 +262,6 @@ class SceneData:
         if key in self.unseen:
             return self.unseen[key]
         return default if isinstance(default, tuple) else (default,)
-
-
-_LINKED = ("tint", "recolor", "rotation", "backdrop_color", "backdrop_tint", "backdrop_strength")
 
 
 def plain_instances(

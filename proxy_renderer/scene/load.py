@@ -19,9 +19,7 @@ _FARTHEST = 1e9  # meters from the origin beyond which squares of areas leave th
 _AT_ONCE = 1 << 18  # most triangles that are checked at once; limits memory
 _EXPORT_AGAIN = "Export the scene again with the add-on that belongs to this engine."
 _ROWS = {(p.group, p.name): p for p in PARAMETERS}
-_MESH_SHAPES = {
-    "vertices": (3,), "faces": (3,), "normals": (3, 3), "uvs": (3, 2), "material": (), "object": (),
-}  # fmt: skip
+_MESH_SHAPES = {"vertices": (3,), "faces": (3,), "normals": (3, 3), "uvs": (3, 2), "material": (), "object": ()}
 
 T = TypeVar("T")
 
@@ -38,18 +36,23 @@ def load_scene(folder: Path | str) -> data.SceneData:
             raise VibeError("The scene was exported by another version of Vibe Render.", _EXPORT_AGAIN)
         return _scene(folder, content)
     except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
-        reason = f"{type(error).__name__}: {error}"
-        remedy = _EXPORT_AGAIN
-        raise VibeError(f"The exported scene in {folder} cannot be read ({reason}).", remedy) from error
+        reason = f"The exported scene in {folder} cannot be read ({type(error).__name__}: {error})."
+        raise VibeError(reason, _EXPORT_AGAIN) from error
 
 
 def _scene(folder: Path, content: dict[str, Any]) -> data.SceneData:
     materials = tuple(_material(folder, m) for m in content["materials"])
     objects = tuple(_record(data.MeshObject, o) for o in content["objects"])
-    standby = content.get("standby", {})
+    standby, world, film = content.get("standby", {}), content["world"], content["film"]
+    pictures = {name: _picture(folder / world[name]) for name in world.keys() & {"image", "backdrop"}}
+    table = film.get("compositor")
+    table = np.load(folder / table, allow_pickle=False) if table else None
     width, height = content["resolution"]
     if width < 1 or height < 1:
         raise VibeError(f"The picture's size {width} x {height} is empty.", "Set a resolution in Blender.")
+    x, y, z = map(float, content["pivot"])
+    if not all(map(math.isfinite, (x, y, z))):
+        raise ValueError("a position is not finite")
     camera = _record(data.Camera, content["camera"])
     if camera.type not in ("PERSP", "ORTHO"):
         remedy = "Use a perspective or orthographic camera."
@@ -58,20 +61,18 @@ def _scene(folder: Path, content: dict[str, Any]) -> data.SceneData:
         folder=folder,
         resolution=(int(width), int(height)),
         pixel_aspect=float(content["pixel_aspect"]),
-        pivot=_vector(content["pivot"]),
+        pivot=(x, y, z),
         references=content["references"],
         camera=camera,
         lights=tuple(_light(light) for light in content["lights"]),
         materials=materials,
         objects=objects,
-        world=_world(folder, content["world"]),
+        world=_record(data.WorldData, world | pictures),
         volume=_record(data.FogBounds, content["volume"]),
-        film=_film(folder, content["film"]),
+        film=_record(data.FilmSettings, {**film, "compositor": table}),
         mesh=_mesh(folder / "meshes.npz", len(materials), len(objects)),
         instances=_instances(content["parameters"]),
-        standby=data.Standby(
-            tuple(_light(light) for light in standby.get("lights", ())), _instances(standby.get("parameters", {}))
-        ),
+        standby=data.Standby(tuple(map(_light, standby.get("lights", ()))), _instances(standby.get("parameters", {}))),
         bounces=int(content.get("bounces", 4)),
         unseen={key: i.value for key, i in _instances(content.get("unseen", {})).items()},
     )
@@ -89,37 +90,19 @@ def _tuples(value: Any) -> Any:
     return value
 
 
-def _vector(row: list[float]) -> tuple[float, float, float]:
-    x, y, z = (float(v) for v in row)
-    if not all(map(math.isfinite, (x, y, z))):
-        raise ValueError("a position is not finite")
-    return x, y, z
-
-
 def _light(row: dict[str, Any]) -> data.Light:
     return replace(_record(data.Light, row), unlit=tuple(map(int, row.get("unlit", ()))))
 
 
 def _material(folder: Path, row: dict[str, Any]) -> data.Material:
-    texture, maps = row.get("texture"), row.get("maps") or {}
-    pictures = {name: _texture(folder, picture) for name, picture in maps.items()}
-    material = _record(data.Material, {**row, "texture": None, "maps": {}})
-    return replace(material, texture=_texture(folder, texture) if texture else None, maps=pictures)
-
-
-def _texture(folder: Path, row: dict[str, Any]) -> data.Texture:
-    return _record(data.Texture, {**row, "image": _picture(folder / row["image"], (1, 3))})
-
-
-def _world(folder: Path, row: dict[str, Any]) -> data.WorldData:
-    pictures = {name: _picture(folder / row[name]) for name in row.keys() & {"image", "backdrop"}}
-    return _record(data.WorldData, row | pictures)
-
-
-def _film(folder: Path, row: dict[str, Any]) -> data.FilmSettings:
-    name = row.get("compositor")
-    table = np.load(folder / name, allow_pickle=False) if name else None
-    return _record(data.FilmSettings, {**row, "compositor": table})
+    # All textures by input; that of the base color has a field of its own.
+    rows = {"": row.get("texture"), **(row.get("maps") or {})}
+    maps = {
+        name: _record(data.Texture, {**each, "image": _picture(folder / each["image"], (1, 3))})
+        for name, each in rows.items()
+        if each
+    }
+    return replace(_record(data.Material, {**row, "maps": {}}), texture=maps.pop("", None), maps=maps)
 
 
 def _picture(path: Path, channels: tuple[int, ...] = (3,)) -> Array:
@@ -150,8 +133,7 @@ def _mesh(path: Path, materials: int, objects: int) -> data.SceneMesh:
     arrays = _drop_broken(arrays)
     if not len(arrays["faces"]):
         raise VibeError("The scene has no mesh that can be rendered.", "Add a mesh, or make one visible.")
-    mesh = next((known for known in tuple(_meshes) if _is_alike(known, arrays)), None)
-    mesh = mesh or data.SceneMesh(**arrays)
+    mesh = next((known for known in tuple(_meshes) if _is_alike(known, arrays)), None) or data.SceneMesh(**arrays)
     _meshes.add(mesh)
     return mesh
 
@@ -172,43 +154,31 @@ def _drop_broken(arrays: dict[str, Array]) -> dict[str, Array]:
     keep = np.ones(len(arrays["faces"]), bool)
     for first in range(0, len(keep), _AT_ONCE):
         some = slice(first, first + _AT_ONCE)
-        keep[some] = _mend(arrays["vertices"][arrays["faces"][some]], arrays["normals"][some])
+        corners, normals = arrays["vertices"][arrays["faces"][some]], arrays["normals"][some]
+        finite = (np.abs(corners) < _FARTHEST).all((1, 2))  # also false for NaN
+        corners = np.where(finite[:, None, None], corners, 0.0).astype(float)
+        flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        area = np.linalg.norm(flat, axis=1)
+        # Normals become unit vectors, in place; a broken one becomes the normal of its triangle.
+        length = np.linalg.norm(normals, axis=2, keepdims=True)
+        facet = (flat / np.where(area > 0, area, 1.0)[:, None]).astype(np.float32)
+        sound = np.isfinite(length) & (length > 1e-6)
+        normals[:] = np.where(sound, normals / np.where(sound, length, 1.0), facet[:, None])
+        keep[some] = finite & (area > 0)
     np.nan_to_num(arrays["uvs"], copy=False, nan=0.0, posinf=0.0, neginf=0.0)
     return arrays if keep.all() else {k: v if k == "vertices" else v[keep] for k, v in arrays.items()}
 
 
-def _mend(corners: Array, normals: Array) -> Array:
-    """(n,) bool: which triangles, given by their corners (n, 3, 3), can be used.
-
-    Normalizes the corner normals (n, 3, 3) in place; a broken one becomes the normal of its triangle.
-    """
-    finite = (np.abs(corners) < _FARTHEST).all((1, 2))  # also false for NaN
-    corners = np.where(finite[:, None, None], corners, 0.0).astype(float)
-    flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = np.linalg.norm(flat, axis=1)
-    length = np.linalg.norm(normals, axis=2, keepdims=True)
-    facet = (flat / np.where(area > 0, area, 1.0)[:, None]).astype(np.float32)
-    sound = np.isfinite(length) & (length > 1e-6)
-    normals[:] = np.where(sound, normals / np.where(sound, length, 1.0), facet[:, None])
-    return finite & (area > 0)
-
-
 def _instances(rows: dict[str, Any]) -> dict[str, Instance]:
-    return {key: _instance(key, row) for key, row in rows.items()}
-
-
-def _instance(key: str, row: dict[str, Any]) -> Instance:
-    group, owner, name = split_key(key)
-    parameter = _ROWS[group, name]
-    value = row["value"] if isinstance(row["value"], list) else [row["value"]]
-    if len(value) != parameter.components or not all(math.isfinite(v) for v in value):
-        remedy = "Correct it in Blender."
-        raise VibeError(f"The value of {labels.title(key)} is not usable: {row['value']}.", remedy)
-    return Instance(
-        parameter=parameter,
-        owner=owner,
-        value=tuple(float(v) for v in value),
-        reference=float(row.get("reference", 1.0)),
-        role=row.get("role", ""),
-        locked=row.get("locked", ""),
-    )
+    found = {}
+    for key, row in rows.items():
+        group, owner, name = split_key(key)
+        parameter = _ROWS[group, name]
+        value = row["value"] if isinstance(row["value"], list) else [row["value"]]
+        if len(value) != parameter.components or not all(math.isfinite(v) for v in value):
+            remedy = "Correct it in Blender."
+            raise VibeError(f"The value of {labels.title(key)} is not usable: {row['value']}.", remedy)
+        reference, numbers = float(row.get("reference", 1.0)), tuple(float(v) for v in value)
+        marks = {"role": row.get("role", ""), "locked": row.get("locked", "")}
+        found[key] = Instance(parameter, owner, numbers, reference, **marks)
+    return found

@@ -13,52 +13,6 @@ from . import SceneData
 T = TypeVar("T")
 
 
-class RenderValues:
-    """Parameters by key: the caller's tensors (C,), through which gradients flow, or else the scene's values."""
-
-    def __init__(self, scene: SceneData, values: Mapping[str, Tensor], device: str | torch.device) -> None:
-        self.scene = scene
-        self.given = values
-        self.device = torch.device(device)
-
-    def color(self, key: str, default: float = 0.0) -> Tensor:
-        """A color's components (3,), float32 on the device; three times the default if the scene has no such parameter."""
-        if key in self.given:
-            return self._read(key)
-        value = self.scene.value(key, (default,) * 3)
-        return torch.tensor(value, dtype=torch.float32, device=self.device)
-
-    def _read(self, key: str) -> Tensor:
-        """The caller's value (C,); without gradients a copy, which later changes of the caller's tensor do not reach."""
-        value = self.given[key].to(self.device, torch.float32).reshape(-1)
-        return value if needs_gradient(value) else value.detach().clone()
-
-    def scalar(self, key: str, default: float = 0.0) -> Tensor:
-        """A parameter of one component: () float32 on the device."""
-        if key in self.given:
-            return self._read(key)[0]
-        return torch.tensor(self.scene.value(key, default)[0], dtype=torch.float32, device=self.device)
-
-    @cached_property
-    def by_owner(self) -> dict[str, dict[str, Tensor]]:
-        """The caller's values by owner: "material/NAME" and so on -> key -> value."""
-        found: dict[str, dict[str, Tensor]] = {}
-        for key, value in self.given.items():
-            found.setdefault(key.rpartition("/")[0], {})[key] = value
-        return found
-
-    @cached_property
-    def numbers(self) -> dict[str, tuple[float, ...]]:
-        """The caller's values as numbers, by key; all in one transfer, because each transfer waits for the device."""
-        rows = [value.detach().reshape(-1).to(self.device) for value in self.given.values()]
-        flat = iter(torch.cat(rows).tolist() if rows else ())
-        return {key: tuple(next(flat) for _ in row) for key, row in zip(self.given, rows, strict=True)}
-
-    def has(self, key: str) -> bool:
-        """True if the scene or the caller knows the parameter."""
-        return key in self.given or key in self.scene.instances
-
-
 def needs_gradient(*tensors: Tensor) -> bool:
     """True if gradients are being recorded for any of the tensors."""
     return torch.is_grad_enabled() and any(t.requires_grad for t in tensors)
@@ -80,19 +34,42 @@ class Recent:
         return thing
 
 
-class Remembered:
-    """A cache of results that depend on the values of one owner, a light or a material.
+class RenderValues:
+    """Parameters by key: the caller's tensors (C,), through which gradients flow, or else the scene's values."""
 
-    Results of values that need gradients are computed each time.
-    """
+    def __init__(self, scene: SceneData, values: Mapping[str, Tensor], device: str | torch.device) -> None:
+        self.scene, self.given, self.device = scene, values, torch.device(device)
 
-    def __init__(self) -> None:
-        self._recent = Recent()
+    def color(self, key: str, default: float = 0.0) -> Tensor:
+        """A color's components (3,), float32 on the device; three times the default if the scene has no such parameter."""
+        if key not in self.given:
+            return torch.tensor(self.scene.value(key, (default,) * 3), dtype=torch.float32, device=self.device)
+        # Without gradients a copy, which later changes of the caller's tensor do not reach.
+        value = self.given[key].to(self.device, torch.float32).reshape(-1)
+        return value if needs_gradient(value) else value.detach().clone()
 
-    def of(self, owner: str, values: RenderValues, make: Callable[[], T], number: int = 0) -> T:
-        """The result of `make` for an owner, "material/NAME", at these values; `number` tells owners of one name apart."""
-        given = values.by_owner.get(owner, {})
+    def scalar(self, key: str, default: float = 0.0) -> Tensor:
+        """A parameter of one component: () float32 on the device."""
+        return self.color(key, default)[0]
+
+    @cached_property
+    def by_owner(self) -> dict[str, dict[str, Tensor]]:
+        """The caller's values by owner: "material/NAME" and so on -> key -> value."""
+        found: dict[str, dict[str, Tensor]] = {}
+        for key, value in self.given.items():
+            found.setdefault(key.rpartition("/")[0], {})[key] = value
+        return found
+
+    @cached_property
+    def numbers(self) -> dict[str, tuple[float, ...]]:
+        """The caller's values as numbers, by key; all in one transfer, because each transfer waits for the device."""
+        rows = [value.detach().reshape(-1).to(self.device) for value in self.given.values()]
+        flat = iter(torch.cat(rows).tolist() if rows else ())
+        return {key: tuple(next(flat) for _ in row) for key, row in zip(self.given, rows, strict=True)}
+
+    def kept(self, made: Recent, owner: str, make: Callable[[], T], number: int = 0) -> T:
+        """The result of `make` for an owner, "material/NAME", kept in `made` unless it has gradients; `number` tells namesakes apart."""
+        given = self.by_owner.get(owner, {})
         if needs_gradient(*given.values()):
             return make()
-        key = tuple((name, values.numbers[name]) for name in given)
-        return self._recent.of((owner, number), key, make)
+        return made.of((owner, number), tuple((name, self.numbers[name]) for name in given), make)

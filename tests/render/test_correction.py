@@ -288,7 +288,7 @@ def test_layers_of_the_anchor_add_up_to_what_would_be_drawn(truth: Proxy, proxy:
     with torch.no_grad():
         assert (proxy.layered(tensors(values)) is not None) == layered
     quick = render(proxy, **values)
-    proxy._layers = proxy._undeveloped = None
+    proxy._anchored = proxy._undeveloped = None
     torch.testing.assert_close(quick, render(proxy, **values), atol=1e-5, rtol=1e-4)
 
 

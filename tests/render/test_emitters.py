@@ -137,7 +137,7 @@ def test_only_what_glows_becomes_a_lamp_and_stays_one():
     assert not emitters.notice(shading_inputs(0.0))
     assert not emitters.lamps(shading_inputs(0.0))
     assert emitters.notice(shading_inputs(5.0))
-    assert emitters.materials == (0,)
+    assert emitters.clusters[0]
     assert not emitters.notice(shading_inputs(0.0))
     assert len(emitters.lamps(shading_inputs(0.0))) == 1
 

@@ -7,8 +7,7 @@ import pytest
 import torch
 
 from proxy_renderer.render.geometry.vectors import texels
-from proxy_renderer.render.lights.environment import Environment, Sky
-from proxy_renderer.render.lights.environment_suns import split
+from proxy_renderer.render.lights.environment import Environment, Sky, split_suns
 
 
 def picture(height=128, sky=0.5, sun=200.0, radius=3.0, azimuth=40.0, elevation=35.0):
@@ -31,7 +30,7 @@ def test_texels_cover_the_sphere():
 @pytest.mark.parametrize("radius", [1.5, 3.0, 8.0])
 def test_a_sun_is_found_where_it_is(radius):
     image, place, energy = picture(radius=radius)
-    _, rest, suns = split(image)
+    _, rest, suns = split_suns(image)
     assert len(suns) == 1
     assert suns[0].toward @ place > math.cos(math.radians(0.5))
     torch.testing.assert_close(suns[0].color, energy, rtol=0.05, atol=0.0)
@@ -42,19 +41,19 @@ def test_a_sun_is_found_where_it_is(radius):
 def test_an_even_sky_and_a_dark_one_have_none():
     for level in (0.7, 0.0):
         image = torch.full((1, 3, 64, 128), level)
-        _, rest, suns = split(image)
+        _, rest, suns = split_suns(image)
         assert not suns
         assert torch.equal(rest, image)
 
 
 def test_a_small_light_stays_in_the_picture():
-    assert not split(picture(sun=1.0)[0])[2]
+    assert not split_suns(picture(sun=1.0)[0])[2]
 
 
 def sky_with(image, turn):
     environment = Environment.__new__(Environment)
     environment.hidden = ()
-    environment.suns = split(image)[2]
+    environment.suns = split_suns(image)[2]
     environment.whole = image
     return Sky(environment, torch.ones(3), turn, torch.ones(3), turn)
 
@@ -82,6 +81,6 @@ def test_a_sun_turns_with_the_picture(degrees):
 @pytest.mark.parametrize("height", [1, 2, 4, 16, 64])
 def test_an_even_sky_has_no_sun(height: int) -> None:
     picture = torch.tensor([1.0, 0.0, 1.0])[None, :, None, None].expand(1, 3, height, 2 * height)
-    _, rest, suns = split(picture)
+    _, rest, suns = split_suns(picture)
     assert not suns
     assert torch.equal(rest, picture)

@@ -11,7 +11,7 @@ from proxy_renderer.render.geometry.vectors import unit
 from proxy_renderer.render.geometry.visibility import RayGeometry, Surface, sphere_points
 from proxy_renderer.render.material.inputs import geometry_of
 from proxy_renderer.render.proxy import Proxy
-from proxy_renderer.render.transport.glow import BLURS, GlowShares, LobeRays, glow_of
+from proxy_renderer.render.transport.glow import BLURS, LobeRays, glow_of
 
 from .test_emitters import CPU, scene_with
 
@@ -38,10 +38,10 @@ def floor(place: float) -> tuple[Surface, torch.Tensor]:
     return surface, arrived
 
 
-def searched(name: str) -> tuple[GlowShares, RayGeometry, LobeRays]:
+def searched(name: str) -> tuple[list[torch.Tensor], RayGeometry, LobeRays]:
     geometry = geometry_of(scene_with(PANELS[name]), CPU)
     lobes, turn = LobeRays.of(*floor(0.0)), torch.arange(COPIES)
-    glow = glow_of(geometry, lobes, turn, turn, (0,), (), 2, torch.Generator().manual_seed(0))
+    glow = glow_of(geometry, lobes, turn, turn, {0: ()}, torch.Generator().manual_seed(0))
     return glow, geometry, lobes
 
 
@@ -56,7 +56,7 @@ def found_by_chance(geometry: RayGeometry, lobes: LobeRays, alpha: float | None)
 @pytest.mark.parametrize("name", PANELS)
 def test_shares_are_those_of_very_many_rays_with_little_noise(name):
     glow, geometry, lobes = searched(name)
-    for share, alpha in zip((glow.wide, *glow.blurred), (None, *(r * r for r in BLURS)), strict=True):
+    for share, alpha in zip(glow, (None, *(r * r for r in BLURS)), strict=True):
         wanted = found_by_chance(geometry, lobes, alpha)
         assert share[:, 0].mean().item() == pytest.approx(wanted, rel=0.06, abs=0.006)
         # As many rays by chance alone would be off by the root of the share times the rest over their number.

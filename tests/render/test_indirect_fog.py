@@ -14,7 +14,7 @@ from proxy_renderer.render.lights.light_types import light_sources
 from proxy_renderer.render.material.inputs import geometry_of
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.render.surface.view_cache import ViewCache
-from proxy_renderer.render.transport import indirect_fog
+from proxy_renderer.render.transport import indirect
 from proxy_renderer.render.transport.fog import FogMedium
 from proxy_renderer.scene import load_scene
 from proxy_renderer.scene.values import RenderValues
@@ -73,8 +73,8 @@ def test_white_fog_gives_less_than_it_takes(scene, cache):
 
 def test_segments_are_fine_enough(scene, monkeypatch):
     results = []
-    for segments in (indirect_fog._SEGMENTS, 60):
-        monkeypatch.setattr(indirect_fog, "_SEGMENTS", segments)
+    for segments in (indirect._FOG_SEGMENTS, 60):
+        monkeypatch.setattr(indirect, "_FOG_SEGMENTS", segments)
         rays = view_cache(scene).indirect_fog(6.0)
         results.append(found(scene, rays, density=0.2)[0])
     coarse, fine = results

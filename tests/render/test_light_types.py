@@ -18,17 +18,21 @@ PLACE = torch.tensor([0.0, 0.0, 2.0])
 UP = torch.tensor([[0.0], [0.0], [1.0]])
 
 
-def lamp(kind, size, **fields):
+def made(kind, position, axes, size, **fields):
     light = Light("Lamp", kind, tuple(map(tuple, DOWN.tolist())), (0.0, 0.0, 2.0), **fields)
-    return LIGHT_TYPES[kind](light, torch.ones(3), PLACE, DOWN, torch.tensor(size))
+    cone = {"cone": size.new_tensor(light.spot_size)} if kind == "SPOT" else {}
+    return LIGHT_TYPES[kind](light, torch.ones(3), position, axes, size, **cone)
+
+
+def lamp(kind, size, **fields):
+    return made(kind, PLACE, DOWN, torch.tensor(size), **fields)
 
 
 def arriving(kind, **fields):
     """Irradiance, that of a surface that faces the light, and the solid angle (3, N) at points with normals (3, N)."""
 
     def operation(points, normals, position, axes, size):
-        light = Light("Lamp", kind, tuple(map(tuple, DOWN.tolist())), (0.0, 0.0, 2.0), **fields)
-        direct = LIGHT_TYPES[kind](light, torch.ones(3), position, axes, size).irradiance(points, normals)
+        direct = made(kind, position, axes, size, **fields).irradiance(points, normals)
         return torch.stack((direct.irradiance, direct.frontal, direct.solid_angle))
 
     return staticmethod(operation)

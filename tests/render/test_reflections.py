@@ -10,8 +10,16 @@ import torch
 
 from proxy_renderer.render.geometry.vectors import reflect, texels
 from proxy_renderer.render.lights.area_specular import _ellipse, area_specular
-from proxy_renderer.render.lights.environment import GLOSSY, SATIN, Environment, Sky, blurred, blurred_stack
-from proxy_renderer.render.lights.environment_suns import EnvironmentSun, split
+from proxy_renderer.render.lights.environment import (
+    GLOSSY,
+    SATIN,
+    Environment,
+    EnvironmentSun,
+    Sky,
+    blurred,
+    blurred_stack,
+    split_suns,
+)
 from proxy_renderer.render.material import albedo
 from proxy_renderer.render.material.albedo import mirrored, unshadowed, visible_normals
 
@@ -108,7 +116,9 @@ def test_ellipses_are_integrated():
 def test_the_highlight_of_a_low_sun_is_as_wide_as_it(aside):
     """Taken for a disc of slopes it is wrong by a factor of five in the middle, and of two beside."""
     sun = EnvironmentSun(toward(aside, 12.0), torch.ones(3), math.radians(8.0))
-    lamp = sun.lamp(0, torch.ones(3), torch.zeros(()))
+    environment = Environment.__new__(Environment)
+    environment.hidden, environment.suns = (), [sun]
+    lamp = Sky(environment, torch.ones(3), torch.zeros(()), torch.ones(3), torch.zeros(())).lamps[0]
     for elevation in (8.0, 15.0, 25.0):
         ways, weights = lobe_of(elevation, 0.35, 400)
         inside = sun.toward @ ways > math.cos(sun.angle / 2)
@@ -121,7 +131,7 @@ def test_the_highlight_of_a_low_sun_is_as_wide_as_it(aside):
 
 
 def test_a_large_disc_is_one_sun():
-    shown, rest, suns = split(lamp_picture(40.0, 35.0, 17.0))
+    shown, rest, suns = split_suns(lamp_picture(40.0, 35.0, 17.0))
     assert len(suns) == 1
     assert suns[0].toward @ toward(40.0, 35.0) > math.cos(math.radians(0.5))
     assert math.degrees(suns[0].angle) == pytest.approx(34.0, rel=0.1)
@@ -134,5 +144,5 @@ def test_the_suns_with_most_light_are_taken():
     """Not those of the brightest texel."""
     lamps = [(0.0, 20.0, 1.0, 300.0), (90.0, 20.0, 1.2, 200.0), (180.0, 40.0, 6.0, 40.0), (270.0, 30.0, 5.0, 60.0)]
     picture = sum(lamp_picture(*lamp) for lamp in lamps)
-    found = [math.degrees(math.atan2(s.toward[1], s.toward[0])) % 360 for s in split(picture)[2]]
+    found = [math.degrees(math.atan2(s.toward[1], s.toward[0])) % 360 for s in split_suns(picture)[2]]
     assert {180, 270} <= {round(f / 10) * 10 % 360 for f in found}

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The camera: rays through pixels and pixels of points, differentiable in orbit and field of view; rays cut into segments.
 
-Vectors are planar, (3, N), here and in all shading code: broadcasting per-sample scalars over
-components is then contiguous, which is several times faster on a CPU than (N, 3).
+Vectors are planar, (3, N), here and in all shading code: broadcasting per-sample scalars over components is then contiguous,
+which is several times faster on a CPU than (N, 3).
 """
 
 from __future__ import annotations
@@ -101,16 +101,9 @@ def view_of(scene: SceneData, settings: RenderValues, size: tuple[int, int]) -> 
         scale = torch.tensor(float(camera.ortho_scale), device=settings.device)
     else:
         scale = 2.0 * torch.tan(torch.deg2rad(settings.scalar("camera/fov", 40.0)) / 2)
-    return View(
-        position=position,
-        rotation=frame(azimuth, elevation) @ residual,
-        scale=scale,
-        orthographic=orthographic,
-        size=size,
-        extent=(width / spanned, height / spanned),
-        shift=camera.shift,
-        clip=camera.clip,
-    )
+    extent = width / spanned, height / spanned
+    rotation = frame(azimuth, elevation) @ residual
+    return View(position, rotation, scale, orthographic, size, extent, camera.shift, camera.clip)
 
 
 @dataclass(frozen=True)

@@ -19,10 +19,9 @@ _CELLS_ACROSS = 96
 
 
 class SparseWeights:
-    """A constant sparse matrix (N, A), which multiplies values (A, C).
+    """A constant sparse matrix (N, A), which multiplies values (A, …).
 
-    `rows` (R,) are the increasing indices of the rows that are not empty. Each has K entries: `columns` and `weights` are (R, K).
-    Entries of one column add up.
+    `rows` (R,) are the increasing indices of rows with entries, K each: `columns` and `weights` are (R, K), of equal columns added.
     """
 
     def __init__(self, rows: Tensor, columns: Tensor, weights: Tensor, shape: tuple[int, int]) -> None:
@@ -32,8 +31,8 @@ class SparseWeights:
         self.forward = _csr(counts, self._columns.flatten(), weights.flatten(), shape)
 
     def __call__(self, values: Tensor) -> Tensor:
-        """(N, C) weighted sums of values (A, C)."""
-        return _SparseProduct.apply(values, self)
+        """(N, …) weighted sums of values (A, …)."""
+        return _SparseProduct.apply(values.flatten(1), self).view(-1, *values.shape[1:])
 
     @functools.cached_property
     def backward(self) -> Tensor:
@@ -65,14 +64,7 @@ class _SparseProduct(torch.autograd.Function):
 
 
 class GatherPoints:
-    """Samples on a coarse grid, one for each material seen in each cell.
-
-    Attributes:
-        index: (A,) indices of the samples.
-        smooth: Averages over neighboring gather points, against noise.
-        smooth_glossy: The same over fewer neighbors, for values that depend on the view.
-        spread: Interpolates from gather points to all surface samples.
-    """
+    """Samples on a coarse grid, one for each material seen in each cell."""
 
     def __init__(self, samples: Samples, surface: Surface, across: int = _CELLS_ACROSS) -> None:
         width, height = samples.size
@@ -86,23 +78,28 @@ class GatherPoints:
         # Behind a transparent surface, the same material may be seen in another place.
         kind = (cell * 4096 + surface.material) * 8 + samples.layer[:n].clamp_max(7)
         _, group = torch.unique(kind, return_inverse=True)
-        self.index = last_of(group, order, int(group.max()) + 1 if n else 0)
+        self.index = last_of(group, order, int(group.max()) + 1 if n else 0)  # (A,) of the samples
         own = cell[self.index]
         self._cell = torch.stack((own % columns, own // columns))
-        most = 3 * (1 + int(samples.layer[:n].max())) if n else 3
-        self._lists = _cell_lists(own, columns, rows, min(most, 9))
+        # Gather points (rows, columns, most) in every cell, -1 where there are fewer.
+        most = min(3 * (1 + int(samples.layer[:n].max())) if n else 3, 9)
+        order = torch.argsort(own, stable=True)
+        count = torch.bincount(own, minlength=columns * rows)
+        rank = torch.arange(len(own), device=own.device) - (count.cumsum(0) - count)[own[order]]
+        lists = torch.full((columns * rows, most), -1, dtype=torch.int64, device=own.device)
+        lists[own[order][rank < most], rank[rank < most]] = order[rank < most]
+        self._lists = lists.view(rows, columns, most)
         points = _Places(place, surface, samples.hits.distance[:n] * (2.0 / max(columns, rows)))
         self._gather_points = points.pick(self.index)
-        pairs = self._gather_points, self._gather_points, self._lists
-        self.smooth = _spread(*pairs, range(-3, 4), nearest=40, width=3.5)
-        self.smooth_glossy = _spread(*pairs, range(-1, 2), nearest=9, width=1.6)
-        self.spread = _spread(self._gather_points, points, self._lists, (0, 1), nearest=4, width=1.0)
+        # Averages over neighboring gather points, against noise: over fewer for values that depend on the view.
+        self.smooth = self._weights(self._gather_points, range(-3, 4), nearest=40, width=3.5)
+        self.smooth_glossy = self._weights(self._gather_points, range(-1, 2), nearest=9, width=1.6)
+        self.spread = self._weights(points)  # interpolates from gather points to all surface samples
 
     def turns(self, side: int) -> Tensor:
         """(A,) numbers below side², which differ between all cells of any square of side × side cells.
 
-        An average that gives each of these numbers the same weight shows no pattern of squares. `smooth_glossy` nearly does so
-        for a side of 2, `smooth` for a side of 4.
+        Averages in which each number weighs the same show no pattern: nearly those of `smooth_glossy` for a side of 2, `smooth` for 4.
         """
         column, row = self._cell % side
         return row * side + column
@@ -112,16 +109,52 @@ class GatherPoints:
     ) -> SparseWeights:
         """Interpolates from gather points to other points of a surface.
 
-        Args:
-            place: (2, N) image positions of the points in pixels, which may lie outside the image.
-            distance: (N,) from the camera in meters.
-            chosen: (N,) bool, points that get values, others get 0; None for all.
+        They are at places (2, N) in pixels, also outside the image, and distances (N,) from the camera in meters. Those that are
+        not `chosen` (N,) bool get 0; None chooses all.
         """
         rows, columns = self._lists.shape[:2]
         limit = place.new_tensor([[columns], [rows]]) - 0.5
         inside = torch.minimum((place / self._stride).clamp_min(0.5), limit)
-        points = _Places(inside, surface, distance * (2.0 / max(columns, rows)))
-        return _spread(self._gather_points, points, self._lists, (0, 1), nearest=4, width=1.0, chosen=chosen)
+        return self._weights(_Places(inside, surface, distance * (2.0 / max(columns, rows))), chosen=chosen)
+
+    def _weights(
+        self,
+        points: _Places,
+        window: Sequence[int] = (0, 1),
+        nearest: int = 4,
+        width: float = 1.0,
+        chosen: Tensor | None = None,
+    ) -> SparseWeights:
+        """Weights from the gather points that fit each point's normal, plane and place best.
+
+        The `window` has offsets of the cells to search, along both axes: from a point's own cell if their number is odd, else from
+        the upper left of the four cells whose middles surround it. The `nearest` gather points are kept for a point. A weight has
+        faded at a distance of `width` cells.
+        """
+        lists, count = self._lists, points.place.shape[1]
+        rows = torch.arange(count, device=lists.device) if chosen is None else chosen.nonzero()[:, 0]
+        points = points if chosen is None else points.pick(rows)
+        # Indices (W, N) of the window's cells around the points.
+        x, y = (points.place - (0.0 if len(window) % 2 else 0.5)).floor().long()
+        across = [(x + step).clamp(0, lists.shape[1] - 1) for step in window]
+        down = [(y + step).clamp(0, lists.shape[0] - 1) * lists.shape[1] for step in window]
+        near = torch.stack([row + column for row in down for column in across])
+        held = (lists >= 0).sum(2).flatten()
+        most = torch.zeros_like(rows)
+        for cells in near:
+            most = torch.maximum(most, held.index_select(0, cells))
+        best = torch.zeros((len(rows), nearest), dtype=torch.int64, device=lists.device)
+        weight = torch.zeros(best.shape, device=lists.device)
+        # Points are grouped by the most gather points in a cell around, almost everywhere 1: few candidates are compared.
+        for n in range(1, lists.shape[2] + 1):
+            group = (most == n).nonzero()[:, 0]
+            if len(group):
+                cells = near[:, group].flatten()
+                columns = (lists[:, :, i].flatten() for i in range(n))
+                among = torch.cat([c.index_select(0, cells).view(len(near), -1) for c in columns])
+                best[group], weight[group] = _best(self._gather_points, points.pick(group), among, nearest, width)
+        weight = weight / weight.sum(1, keepdim=True).clamp_min(1e-20)
+        return SparseWeights(rows, best, weight, (count, len(self.index)))
 
 
 @dataclass(frozen=True)
@@ -133,71 +166,9 @@ class _Places(PointSet):
     pitch: Tensor
 
 
-def _cell_lists(cell: Tensor, columns: int, rows: int, most: int) -> Tensor:
-    """Gather points (rows, columns, most) in every cell, -1 where there are fewer."""
-    order = torch.argsort(cell, stable=True)
-    count = torch.bincount(cell, minlength=columns * rows)
-    rank = torch.arange(len(cell), device=cell.device) - (count.cumsum(0) - count)[cell[order]]
-    lists = torch.full((columns * rows, most), -1, dtype=torch.int64, device=cell.device)
-    keep = rank < most
-    lists[cell[order][keep], rank[keep]] = order[keep]
-    return lists.view(rows, columns, most)
-
-
-def _spread(
-    gather_points: _Places,
-    points: _Places,
-    lists: Tensor,
-    window: Sequence[int],
-    nearest: int,
-    width: float,
-    chosen: Tensor | None = None,
-) -> SparseWeights:
-    """Weights from the gather points that fit each point's normal, plane and place best.
-
-    Args:
-        lists: (rows, columns, most) gather points in every cell.
-        window: Offsets of the cells to search, along both axes: from a point's own cell if their number is odd, else from the
-            upper left of the four cells whose middles surround it.
-        nearest: Number of gather points that are kept for a point.
-        width: Distance in cells at which a weight has faded.
-        chosen: (N,) bool, points that get weights; None for all.
-    """
-    count, device = points.place.shape[1], lists.device
-    shape = count, gather_points.place.shape[1]
-    rows = torch.arange(count, device=device) if chosen is None else chosen.nonzero()[:, 0]
-    points = points if chosen is None else points.pick(rows)
-    near = _window(points.place, window, *lists.shape[:2])
-    held = (lists >= 0).sum(2).flatten()
-    most = torch.zeros_like(rows)
-    for cells in near:
-        most = torch.maximum(most, held.index_select(0, cells))
-    best = torch.zeros((len(rows), nearest), dtype=torch.int64, device=device)
-    weight = torch.zeros(best.shape, device=device)
-    # Points are grouped by the most gather points in a cell around, almost everywhere 1: few candidates are compared.
-    for n in range(1, lists.shape[2] + 1):
-        group = (most == n).nonzero()[:, 0]
-        if len(group):
-            cells = near[:, group].flatten()
-            columns = (lists[:, :, i].flatten() for i in range(n))
-            candidates = torch.cat([c.index_select(0, cells).view(len(near), -1) for c in columns])
-            best[group], weight[group] = _best(gather_points, points.pick(group), candidates, nearest, width)
-    return SparseWeights(rows, best, weight / weight.sum(1, keepdim=True).clamp_min(1e-20), shape)
-
-
-def _window(place: Tensor, window: Sequence[int], rows: int, columns: int) -> Tensor:
-    """Indices (W, N) of the cells of a window around places (2, N)."""
-    x, y = (place - (0.0 if len(window) % 2 else 0.5)).floor().long()
-    across = [(x + step).clamp(0, columns - 1) for step in window]
-    down = [(y + step).clamp(0, rows - 1) * columns for step in window]
-    return torch.stack([row + column for row in down for column in across])
-
-
-def _best(
-    gather_points: _Places, points: _Places, candidates: Tensor, nearest: int, width: float
-) -> tuple[Tensor, Tensor]:
-    """The gather points (N, nearest) of largest weight, and their weights, among candidates (C, N), of which -1 stands for none."""
-    index = candidates.clamp_min(0)
+def _best(gather_points: _Places, points: _Places, among: Tensor, nearest: int, width: float) -> tuple[Tensor, Tensor]:
+    """The gather points (N, nearest) of largest weight, and their weights, `among` some (C, N); -1 stands for none."""
+    index = among.clamp_min(0)
 
     def of(values: Tensor) -> Tensor:
         return values.index_select(0, index.flatten()).view(index.shape)
@@ -212,7 +183,7 @@ def _best(
     for axis in range(2):
         apart = (of(gather_points.place[axis]) - points.place[axis]).abs() / width
         weight *= (1.0 - apart).clamp_min(0.02 / width)
-    weight = torch.where(candidates >= 0, weight, 0.0).T
+    weight = torch.where(among >= 0, weight, 0.0).T
     if weight.shape[1] == nearest:
         return index.T, weight
     weight, best = weight.contiguous().topk(nearest, 1)

@@ -8,7 +8,7 @@ from torch import Tensor
 
 from .camera import View
 from .vectors import PointSet, dot
-from .visibility import Hits, RayGeometry, Surface
+from .visibility import Hits, RayGeometry
 
 EDGE_SAMPLES = 5
 _NEIGHBOR = 0.084  # a pixel's share of each neighbor along an axis: a variance of 0.17 square pixels
@@ -43,10 +43,7 @@ class Samples:
 
 
 class _Resolve(torch.autograd.Function):
-    """Weighted sum of samples per pixel, whose backward pass is a gather.
-
-    Pixels with one sample are mixed with their neighbors, which stand for what the pixel filter would cover.
-    """
+    """Weighted sum of samples per pixel, whose backward pass is a gather."""
 
     @staticmethod
     def forward(ctx, values, samples):
@@ -54,6 +51,7 @@ class _Resolve(torch.autograd.Function):
         weighted = values * samples.weight
         picture = weighted.index_select(1, samples.first)
         picture.index_add_(1, samples.pixel[samples.others], weighted.index_select(1, samples.others))
+        # Pixels with one sample are mixed with their neighbors, which stand for what the pixel filter would cover.
         return torch.where(samples.plain, _diffuse(picture, samples.size), picture)
 
     @staticmethod
@@ -83,19 +81,19 @@ def take(geometry: RayGeometry, view: View, smooth: Tensor) -> Samples:
     transparent surfaces makes a sample on each, weighted by its contribution.
     """
     # Rays through the centers show where edges pass.
-    width, height = view.size
     centers = pixel_centers(view.size).to(geometry.device)
     origin, toward = view.rays(centers)
     layers = follow(geometry, view, origin, toward)
-    center_hits = layers.strongest(len(origin[0]))
-    edge = _edges(geometry, center_hits, toward, width, height)
+    strongest = last_of(layers.ray, torch.argsort(layers.weight, stable=True), len(origin[0]))
+    center_hits = layers.hits.pick(strongest)
+    edge = _edges(geometry, center_hits, toward, *view.size)
     if geometry.opacity is not None:
-        edge |= _edges(geometry, layers.nearest(len(origin[0])), toward, width, height)
+        nearest = last_of(layers.ray, torch.arange(len(layers.ray), device=edge.device).flip(0), len(origin[0]))
+        edge |= _edges(geometry, layers.hits.pick(nearest), toward, *view.size)
     edge |= smooth[geometry.material[center_hits.triangle.clamp_min(0)]] & center_hits.hit
     # More rays for these pixels.
     busy = edge.nonzero()[:, 0]
-    jitter = _filter_points(geometry.device)
-    places = (centers[:, busy, None] + jitter[:, None, :]).flatten(1)
+    places = (centers[:, busy, None] + _filter_points(geometry.device)[:, None, :]).flatten(1)
     more_origin, more_toward = view.rays(places)
     more = follow(geometry, view, more_origin, more_toward)
     few = layers.pick((~edge)[layers.ray])
@@ -140,7 +138,7 @@ def pixel_centers(size: tuple[int, int]) -> Tensor:
 
 def _edges(geometry: RayGeometry, hits: Hits, toward: Tensor, width: int, height: int) -> Tensor:
     """(P,) bool: pixels next to which the object, the material, the normal or the depth jumps."""
-    surface: Surface = geometry.surface(hits, toward)
+    surface = geometry.surface(hits, toward)
     index = hits.triangle.clamp_min(0)
     name = torch.where(hits.hit, geometry.object[index] * 4096 + surface.material, -1).view(height, width)
     normal = torch.where(hits.hit, surface.normal, 0.0).view(3, height, width)
@@ -182,15 +180,6 @@ class HitLayers(PointSet):
     hits: Hits  # (N,) what it meets there
     weight: Tensor  # (N,) the share of the ray that is seen there; the shares of a ray sum to 1
 
-    def strongest(self, count: int) -> Hits:
-        """For each of `count` rays, its hit with the largest weight."""
-        return self.hits.pick(last_of(self.ray, torch.argsort(self.weight, stable=True), count))
-
-    def nearest(self, count: int) -> Hits:
-        """For each of `count` rays, its nearest hit."""
-        index = torch.arange(len(self.ray), device=self.ray.device).flip(0)
-        return self.hits.pick(last_of(self.ray, index, count))
-
 
 def follow(geometry: RayGeometry, view: View, origin: Tensor, toward: Tensor) -> HitLayers:
     """Follows the camera's rays (3, N) from its near to its far plane, through transparent surfaces."""
@@ -203,37 +192,31 @@ def follow(geometry: RayGeometry, view: View, origin: Tensor, toward: Tensor) ->
         return HitLayers(index, torch.zeros_like(index), hits, left)
     collected: list[HitLayers] = []
     for number in range(_MOST_LAYERS):
-        alpha = geometry.opacity.at(geometry.surface(hits, toward[:, index]), by_camera=number == 0)
+        alpha = geometry.opacity(geometry.surface(hits, toward[:, index]), by_camera=number == 0)
         alpha = torch.where(hits.hit, alpha, 1.0)
         rest = left * (1 - alpha)
         ends = (rest < _FAINT) | (number == _MOST_LAYERS - 1)
         share = torch.where(ends, left, left * alpha)
         counts = share >= _FAINT
-        numbers = torch.full_like(index, number)
-        collected.append(HitLayers(index, numbers, hits, share).pick(counts))
-        # A share that is too faint to count goes to the next hit of the ray.
-        rest = torch.where(counts, rest, left)
+        collected.append(HitLayers(index, torch.full_like(index, number), hits, share).pick(counts))
         onward = ~ends
         if not bool(onward.any()):
             break
-        index, left = index[onward], rest[onward]
-        further = geometry.onward(hits.pick(onward), origin[:, index], toward[:, index], "camera")
-        hits = _before(far[index], further)
+        # A share that is too faint to count goes to the next hit of the ray.
+        index, left = index[onward], torch.where(counts, rest, left)[onward]
+        hits = _before(far[index], geometry.onward(hits.pick(onward), origin[:, index], toward[:, index], "camera"))
     return HitLayers.joined(collected)
 
 
 def _before(far: Tensor, hits: Hits) -> Hits:
     """Hits (N,) with those beyond distances (N,) turned into misses."""
     inside = hits.distance <= far
-    triangle, distance = torch.where(inside, hits.triangle, -1), hits.distance
-    return replace(hits, triangle=triangle, distance=torch.where(inside, distance, torch.inf))
+    triangle, distance = torch.where(inside, hits.triangle, -1), torch.where(inside, hits.distance, torch.inf)
+    return replace(hits, triangle=triangle, distance=distance)
 
 
 def last_of(group: Tensor, order: Tensor, count: int) -> Tensor:
-    """For each of `count` groups, the member that comes last in `order`.
-
-    `group` (N,) has the group of each member, `order` is a permutation (N,) of the members. No group may be empty.
-    """
+    """For each of `count` groups, none empty, the member that comes last in `order` (N,); `group` (N,) has the group of each member."""
     rank = torch.arange(len(order), device=order.device)
     last = torch.zeros(count, dtype=torch.int64, device=order.device)
     # Not by assignment: which of several writes to one place wins is not defined.

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Planar vectors (3, N), computed by component: torch's reductions over a leading axis of three are about ten times slower.
-
-Also directions of secondary rays, and two ways of limiting that keep gradients where `torch.clamp` would lose them.
-"""
+"""Planar vectors (3, N), computed by component: torch's reductions over a leading axis of three are about ten times slower."""
 
 from __future__ import annotations
 
@@ -54,10 +51,8 @@ class _Dot(torch.autograd.Function):
     def backward(ctx, gradient):
         a, b = ctx.saved_tensors
         of_a, of_b = ctx.needs_input_grad
-        return (
-            (gradient * b).sum_to_size(a.shape) if of_a else None,
-            (gradient * a).sum_to_size(b.shape) if of_b else None,
-        )
+        pairs = (of_a, a, b), (of_b, b, a)
+        return tuple((gradient * two).sum_to_size(one.shape) if needed else None for needed, one, two in pairs)
 
 
 def length(a: Tensor, least: float = 1e-6) -> Tensor:
@@ -74,11 +69,6 @@ def cross(a: Tensor, b: Tensor) -> Tensor:
     """Vector products (3, N) of vectors (3, N)."""
     (ax, ay, az), (bx, by, bz) = a.unbind(0), b.unbind(0)
     return torch.stack((ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx))
-
-
-def damped(value: Tensor, share: Tensor) -> Tensor:
-    """The value itself, with its gradient multiplied by a share."""
-    return torch.lerp(value.detach(), value, share.detach()) if value.requires_grad else value
 
 
 def within(value: Tensor, low: float, high: float) -> Tensor:
@@ -102,8 +92,7 @@ def reflect(toward: Tensor, normal: Tensor) -> Tensor:
 
 def above(toward: Tensor, facet: Tensor) -> Tensor:
     """Lifts directions (3, N) that would enter the surface to just above it."""
-    cosine = dot(toward, facet)
-    return unit(toward + facet * (0.01 - cosine).clamp_min(0.0))
+    return unit(toward + facet * (0.01 - dot(toward, facet)).clamp_min(0.0))
 
 
 def cosine_directions(normal: Tensor, uv: Tensor) -> Tensor:

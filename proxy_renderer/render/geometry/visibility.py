@@ -6,9 +6,10 @@ from __future__ import annotations
 import functools
 import hashlib
 import weakref
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import torch
@@ -17,14 +18,15 @@ from embreex.mesh_construction import TriangleMesh
 from torch import Tensor
 
 from ...scene import SceneMesh
-from .vectors import PointSet, cross, damped, dot, unit
+from .vectors import PointSet, cross, dot, unit
 
 RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")  # an object may be hidden from them
 
 _SHARE = 8192  # least number of rays per thread
+_GRAZING = 0.3  # cosine below which gradients of hits are damped
+_LAYERS = 8  # transparent surfaces that a ray passes at most: Cycles' default of transparent bounces
 
 _pool = functools.cache(ThreadPoolExecutor)
-
 
 TraceResult = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 """Hits of N rays, (N,) each: triangle index, -1 for a miss; barycentric weights u and v, and distance, float32."""
@@ -34,18 +36,13 @@ class TriangleTree:
     """Some triangles of a mesh, those with the indices `members` (n,), ready for rays."""
 
     def __init__(self, mesh: SceneMesh, members: np.ndarray) -> None:
-        self._mesh, self._members = weakref.ref(mesh), members
-
-    @property
-    def count(self) -> int:
-        """Number of triangles."""
-        return len(self._members)
+        self._mesh, self.members = weakref.ref(mesh), members
 
     @functools.cached_property
     def _embree(self) -> rtcore_scene.EmbreeScene:
         mesh = self._mesh()
         assert mesh is not None  # callers that trace keep the mesh alive
-        faces = mesh.faces[self._members]
+        faces = mesh.faces[self.members]
         used = np.zeros(len(mesh.vertices), bool)
         used[faces] = True
         number = np.cumsum(used, dtype=np.int32) - 1
@@ -54,7 +51,7 @@ class TriangleTree:
         scene.run(np.zeros((1, 3), np.float32), np.ones((1, 3), np.float32))  # the first ray builds the tree
         return scene
 
-    def _run(self, *rays: np.ndarray, **how: Any) -> Any:
+    def run(self, *rays: np.ndarray, **how: Any) -> Any:
         """Embree's answer for rays (N, …), on as many threads as torch has; Embree releases Python's lock."""
         threads = min(torch.get_num_threads(), len(rays[0]) // _SHARE)
         if threads < 2:
@@ -68,28 +65,18 @@ class TriangleTree:
     def nearest(self, origin: np.ndarray, toward: np.ndarray, before: TraceResult | None) -> TraceResult:
         """The nearest hits of rays (N, 3), among these triangles and the hits `before` of other trees."""
         if before is None:
-            answer = self._run(origin, toward, output=1)
+            answer = self.run(origin, toward, output=1)
         else:
-            answer = self._run(origin, toward, before[3], query="INTERSECT", output=1)
+            answer = self.run(origin, toward, before[3], query="INTERSECT", output=1)
         u, v = answer["u"], answer["v"]
-        new = self._members[answer["primID"].clip(0)], u, v, answer["tfar"]
+        new = self.members[answer["primID"].clip(0)], u, v, answer["tfar"]
         pairs = zip(new, before or (-1, u, v, np.float32(1e30)), strict=True)
         triangle, u, v, distance = (np.where(answer["primID"] >= 0, *pair) for pair in pairs)
         return triangle, u, v, distance
 
-    def blocks(self, origin: np.ndarray, toward: np.ndarray, distance: np.ndarray) -> np.ndarray:
-        """(N,) bool: rays (N, 3) that meet a triangle before a distance (N,)."""
-        return self._run(origin, toward, distance, query="OCCLUDED") >= 0
-
 
 _trees: weakref.WeakKeyDictionary[SceneMesh, dict[bytes, TriangleTree]] = weakref.WeakKeyDictionary()
-
-
-def tree_of(mesh: SceneMesh, members: np.ndarray) -> TriangleTree:
-    """The tree of some triangles (n,) of a mesh; made once and shared, as long as the mesh exists."""
-    key = hashlib.blake2b(members.tobytes(), digest_size=16).digest()
-    trees = _trees.setdefault(mesh, {})
-    return trees.setdefault(key, TriangleTree(mesh, members))
+"""The trees of each mesh by a hash of their triangles; made once and shared, as long as the mesh exists."""
 
 
 @dataclass(frozen=True)
@@ -115,16 +102,14 @@ def classes_of(
     own = np.array([m if m in apart else -1 for m in range(len(clear))])
     names = len(clear) + 1
     code = (kind[mesh.object] * 2 + clear[mesh.material]) * names + own[mesh.material] + 1
-    classes = []
+    classes, trees = [], _trees.setdefault(mesh, {})
     for number in np.flatnonzero(np.bincount(code)).tolist():
         rest, material = divmod(number, names)
-        tree = tree_of(mesh, np.flatnonzero(code == number))
+        members = np.flatnonzero(code == number)
+        key = hashlib.blake2b(members.tobytes(), digest_size=16).digest()
+        tree = trees.setdefault(key, TriangleTree(mesh, members))
         classes.append(TriangleClass(tree, kinds[rest // 2], bool(rest % 2), material - 1))
-    return sorted(classes, key=lambda c: -c.tree.count)
-
-
-_GRAZING = 0.3  # cosine below which gradients of hits are damped
-_LAYERS = 8  # transparent surfaces that a ray passes at most: Cycles' default of transparent bounces
+    return sorted(classes, key=lambda c: -len(c.tree.members))
 
 
 @dataclass(frozen=True)
@@ -141,55 +126,12 @@ class Hits(PointSet):
         """(N,) bool."""
         return self.triangle >= 0
 
-    @property
-    def parts(self) -> tuple[Tensor, Tensor, Tensor, Tensor]:
-        """The fields, in order."""
-        return self.triangle, self.u, self.v, self.distance
 
+Opacity = Callable[..., Tensor]
+"""Maps a `Surface` to alpha (N,); with `by_camera=True` as the exported camera sees it directly (`MaterialOpacity.at`)."""
 
-class Opacity(Protocol):
-    """Interface of the alpha of the scene's materials, for rays; implemented by `material.inputs.MaterialOpacity`."""
-
-    @property
-    def clear(self) -> Tensor:
-        """(M,) bool: materials that are not opaque everywhere."""
-
-    def at(self, surface: Surface, by_camera: bool = False) -> Tensor:
-        """Alpha (N,) of surface points; `by_camera` if the exported camera sees them directly."""
-
-
-@dataclass(frozen=True)
-class TriangleArrays:
-    """The triangles of a mesh on a device; see `RayGeometry`."""
-
-    corners: Tensor
-    normals: Tensor
-    uvs: Tensor
-    material: Tensor
-    object: Tensor
-    size: float
-
-    @classmethod
-    def of(cls, mesh: SceneMesh, device: torch.device) -> TriangleArrays:
-        """The triangles of a mesh on a device; on the CPU, they share the mesh's memory where possible."""
-        places = mesh.vertices[mesh.faces]
-        low, high = places.min((0, 1)), places.max((0, 1))
-        corners, normals, uvs = (
-            torch.from_numpy(each).to(device).transpose(0, 1) for each in (places, mesh.normals, mesh.uvs)
-        )
-        material, owner = (torch.from_numpy(each).to(device, torch.int64) for each in (mesh.material, mesh.object))
-        return cls(corners, normals, uvs, material, owner, float(np.linalg.norm(high - low)))
-
-
-_on_device: weakref.WeakKeyDictionary[SceneMesh, dict[torch.device, TriangleArrays]] = weakref.WeakKeyDictionary()
-"""The triangles of each mesh by device; all renderers of the mesh share them."""
-
-
-def _arrays_of(mesh: SceneMesh, device: torch.device) -> TriangleArrays:
-    arrays = _on_device.setdefault(mesh, {})
-    if device not in arrays:
-        arrays[device] = TriangleArrays.of(mesh, device)
-    return arrays[device]
+_on_device: weakref.WeakKeyDictionary[SceneMesh, dict[torch.device, tuple[Any, ...]]] = weakref.WeakKeyDictionary()
+"""Corners, normals, UVs, materials, objects and size of each mesh by device; all renderers of the mesh share them."""
 
 
 class RayGeometry:
@@ -202,30 +144,34 @@ class RayGeometry:
         material, object: (F,) int64.
         opacity: Alpha of materials; None if all are opaque.
         glass: (M,) share of refracted light that passes a surface of each material. Materials that are `glassy` (M,) count as
-            transparent even where this is 0.
+            transparent even where this is 0, as those do that are `clear` (M,): not opaque everywhere.
         size: Diagonal of the bounding box in meters; offsets and tolerances are relative to it.
     """
 
     def __init__(
-        self, mesh: SceneMesh, hidden: list[frozenset[str]], opacity: Opacity, glassy: Tensor, device: torch.device
+        self, mesh: SceneMesh, hidden: list[frozenset[str]], opacity: Opacity, clear: Tensor, glassy: Tensor
     ) -> None:
-        self.device = device
-        triangles = _arrays_of(mesh, device)
-        self.corners, self.normals, self.uvs = triangles.corners, triangles.normals, triangles.uvs
-        self.material, self.object, self.size = triangles.material, triangles.object, triangles.size
-        self.opacity = opacity if bool(opacity.clear[self.material].any()) else None
-        self.glass = torch.zeros(len(opacity.clear), device=device)
-        self._mesh, self._hidden, self._glassy = mesh, hidden, glassy.to(device)
+        self.device = device = clear.device
+        arrays = _on_device.setdefault(mesh, {})
+        if device not in arrays:  # on the CPU, they share the mesh's memory where possible
+            places = mesh.vertices[mesh.faces]
+            fields = (torch.from_numpy(each).to(device).transpose(0, 1) for each in (places, mesh.normals, mesh.uvs))
+            owners = (torch.from_numpy(each).to(device, torch.int64) for each in (mesh.material, mesh.object))
+            arrays[device] = *fields, *owners, float(np.linalg.norm(places.max((0, 1)) - places.min((0, 1))))
+        self.corners, self.normals, self.uvs, self.material, self.object, self.size = arrays[device]
+        self.opacity = opacity if bool(clear[self.material].any()) else None
+        self.glass = torch.zeros(len(clear), device=device)
+        self._mesh, self._hidden, self._clear = mesh, hidden, clear | glassy.to(device)
         self._apart: frozenset[int] = frozenset()
         self._sort()
 
     def let_through(self, glass: Tensor) -> bool:
         """Sets the transmittance (M,) of each material's glass; returns whether it has changed."""
-        changed = not torch.equal(glass, self.glass)
-        if changed:
-            self.glass = glass
-            self._sort()
-        return changed
+        if torch.equal(glass, self.glass):
+            return False
+        self.glass = glass
+        self._sort()
+        return True
 
     def set_apart(self, materials: set[int]) -> None:
         """Gives materials classes of their own, so that shadow rays can leave one material out (`without` in `clear`)."""
@@ -234,22 +180,16 @@ class RayGeometry:
             self._sort()
 
     def _sort(self) -> None:
-        glassy = self._glassy | (self.glass > 0)
-        clear = glassy if self.opacity is None else self.opacity.clear | glassy
+        clear = self._clear | (self.glass > 0)
         self._classes = classes_of(self._mesh, self._hidden, clear.cpu().numpy(), self._apart)
         self._filter = any(c.clear for c in self._classes)
 
     def visible_to(self, ray: str) -> Tensor:
         """(F,) bool: triangles that a kind of rays meets."""
-        met = torch.tensor([ray not in hidden for hidden in self._hidden], device=self.device)
-        return met[self.object]
+        return torch.tensor([ray not in hidden for hidden in self._hidden], device=self.device)[self.object]
 
     def first_hits(self, origin: Tensor, toward: Tensor, ray: str, numbers: Tensor | None = None) -> Hits:
-        """First hits of rays (3, N) of a kind.
-
-        A transparent surface stops only its share of the rays; which ones depends on their `numbers` (N,), always in the same
-        way.
-        """
+        """First hits of rays (3, N) of a kind; a transparent surface stops only its share of them, always the same by `numbers` (N,)."""
         hits = self.nearest(origin, toward, ray)
         if not self._filter:
             return hits
@@ -259,30 +199,26 @@ class RayGeometry:
         for _ in range(_LAYERS):
             current = hits.pick(index)
             stopping = self.stopping(self.surface(current, toward[:, index]), toward[:, index])
-            passes = current.hit & (stopping <= chance[index])
-            index = index[passes]
+            index = index[current.hit & (stopping <= chance[index])]
             if not len(index):
                 break
             further = self.onward(hits.pick(index), origin[:, index], toward[:, index], ray)
-            pairs = zip(hits.parts, further.parts, strict=True)
+            pairs = zip(vars(hits).values(), vars(further).values(), strict=True)
             hits = Hits(*(part.index_copy(0, index, new) for part, new in pairs))
         return hits
 
     def onward(self, hits: Hits, origin: Tensor, toward: Tensor, ray: str) -> Hits:
         """Next surfaces that rays meet after their hits; distances still count from the origin."""
-        gap = 1e-5 * (self.size + hits.distance)
-        start = hits.distance + gap
+        start = hits.distance + 1e-5 * (self.size + hits.distance)
         further = self.nearest(origin + toward * start, toward, ray)
         return replace(further, distance=further.distance + start)
 
-    def nearest(self, origin: Tensor, toward: Tensor, ray: str) -> Hits:
+    def nearest(self, origin: Tensor, toward: Tensor, ray: str, among: Sequence[TriangleClass] | None = None) -> Hits:
         """Nearest intersections of rays (3, N) of a kind with unit directions (3, N), transparent or not."""
-        return self._nearest(origin, toward, [c for c in self._classes if ray not in c.hidden])
-
-    def _nearest(self, origin: Tensor, toward: Tensor, classes: list[TriangleClass]) -> Hits:
         rays, met = (_rows(origin), _rows(toward)), None
-        for each in classes:
-            met = each.tree.nearest(*rays, met)
+        for each in self._classes if among is None else among:
+            if ray not in each.hidden:
+                met = each.tree.nearest(*rays, met)
         if met is None:
             none = torch.zeros(origin.shape[1], device=self.device)
             return Hits(torch.full_like(none, -1, dtype=torch.int64), none, none, none + torch.inf)
@@ -293,33 +229,22 @@ class RayGeometry:
     def clear(self, origin: Tensor, toward: Tensor, distance: Tensor, without: int = -1, ray: str = "shadow") -> Tensor:
         """Share (N,) of light that passes along unit directions (3, N) over meters (N,); a material `without` that is set apart blocks none."""
         passing = torch.ones(origin.shape[1], device=self.device)
-        blocking = [c for c in self._classes if ray not in c.hidden]
-        if without >= 0:
-            blocking = [c for c in blocking if c.material != without]
+        blocking = [c for c in self._classes if ray not in c.hidden and (without < 0 or c.material != without)]
         limit = distance.clamp_max(1e30).cpu().numpy().astype(np.float32)
         rays = _rows(origin), _rows(toward)
         for solid in (c.tree for c in blocking if not c.clear):
-            passing[torch.from_numpy(solid.blocks(*rays, limit)).to(self.device)] = 0.0
+            passing[torch.from_numpy(solid.run(*rays, limit, query="OCCLUDED") >= 0).to(self.device)] = 0.0
+        # Transparent surfaces along the rays reduce the share.
         veils = [c for c in blocking if c.clear]
-        return self._filtered(origin, toward, distance, passing, veils) if veils else passing
-
-    def stopping(self, surface: Surface, toward: Tensor) -> Tensor:
-        """Share (N,) of light along rays (3, N) that a surface stops; glass stops more at grazing angles, so that its rim casts a shadow."""
-        solid = 1.0 if self.opacity is None else self.opacity.at(surface)
-        through = self.glass[surface.material] * dot(surface.normal, toward).abs()
-        return solid * (1 - through)
-
-    def _filtered(
-        self, origin: Tensor, toward: Tensor, distance: Tensor, passing: Tensor, veils: list[TriangleClass]
-    ) -> Tensor:
-        """The share `passing` (N,), reduced by the transparent surfaces (`veils`) along the rays."""
+        if not veils:
+            return passing
         index = (passing > 0).nonzero()[:, 0]
         start = torch.zeros_like(passing)
         for _ in range(_LAYERS):
             if not len(index):
                 break
             way = toward[:, index]
-            near = self._nearest(origin[:, index] + way * start[index], way, veils)
+            near = self.nearest(origin[:, index] + way * start[index], way, ray, veils)
             reach = start[index] + near.distance
             met = near.hit & (reach < distance[index])
             index, reach = index[met], reach[met]
@@ -329,12 +254,16 @@ class RayGeometry:
             index = index[passing[index] > 1e-3]
         return passing
 
+    def stopping(self, surface: Surface, toward: Tensor) -> Tensor:
+        """Share (N,) of light along rays (3, N) that a surface stops; glass stops more at grazing angles, so that its rim casts a shadow."""
+        solid = 1.0 if self.opacity is None else self.opacity(surface)
+        through = self.glass[surface.material] * dot(surface.normal, toward).abs()
+        return solid * (1 - through)
+
     def surface(self, hits: Hits, toward: Tensor) -> Surface:
         """The surface at hits; where rays miss, finite values of triangle 0, to be ignored."""
-        index = hits.triangle.clamp_min(0)
         weights = torch.stack((1 - hits.u - hits.v, hits.u, hits.v))
-        weights = torch.where(hits.hit, weights, 1 / 3)
-        return self.interpolate(index, weights, toward)
+        return self.interpolate(hits.triangle.clamp_min(0), torch.where(hits.hit, weights, 1 / 3), toward)
 
     def follow(self, hits: Hits, origin: Tensor, toward: Tensor) -> Surface:
         """The surface where differentiable rays (3, N) meet the planes of the triangles they hit.
@@ -351,7 +280,8 @@ class RayGeometry:
         inverse = torch.where(flat, 0.0, 1 / torch.where(flat, 1.0, determinant))
         facet = unit(cross(e1, e2), 1e-15)
         damping = (dot(facet, toward.detach()).abs() / _GRAZING).clamp_max(1.0) ** 2
-        u, v = (damped(w * inverse, damping) for w in (dot(offset, p), dot(toward, q)))
+        u, v = dot(offset, p) * inverse, dot(toward, q) * inverse
+        u, v = (torch.lerp(weight.detach(), weight, damping) for weight in (u, v))  # the same, with damped gradients
         return self.interpolate(hits.triangle, torch.stack((1 - u - v, u, v)), toward)
 
     def interpolate(self, triangle: Tensor, weights: Tensor, toward: Tensor) -> Surface:
@@ -359,23 +289,15 @@ class RayGeometry:
         a, b, c = (self.corners[k, triangle].T for k in range(3))
         facet = unit(cross(b - a, c - a), 1e-15)
         position = a * weights[0] + b * weights[1] + c * weights[2]
-        normal = sum((self.normals[k, triangle].T * weights[k] for k in range(3)), torch.zeros_like(a))
-        normal = unit(normal)
+        normal = unit(sum((self.normals[k, triangle].T * weights[k] for k in range(3)), torch.zeros_like(a)))
         back = torch.where(dot(facet, toward) > 0, -1.0, 1.0)
         facet, normal = facet * back, facing(normal * back, toward)
         uv = sum((self.uvs[k, triangle].T * weights[k] for k in range(3)), torch.zeros_like(a[:2]))
         return Surface(position, normal, facet, uv, self.material[triangle], self.object[triangle])
 
-    def from_behind(self, hits: Hits, toward: Tensor) -> Tensor:
-        """(N,) whether rays (3, N) meet triangles on the side that their shading normals look away from."""
-        index = hits.triangle.clamp_min(0)
-        outside = sum((self.normals[k, index].T for k in range(3)), torch.zeros_like(toward))
-        return dot(outside, toward) > 0
-
     def lifted(self, surface: Surface) -> Tensor:
         """Origins (3, N) just above a surface, for rays that must not meet it again at once."""
-        scale = 1e-5 * (self.size + surface.position.abs().amax(0))
-        return surface.position + surface.facet * scale
+        return surface.position + surface.facet * (1e-5 * (self.size + surface.position.abs().amax(0)))
 
 
 @dataclass(frozen=True)
@@ -392,8 +314,7 @@ class Surface(PointSet):
 
 def facing(normal: Tensor, toward: Tensor) -> Tensor:
     """Unit normals (3, N), bent just as far as rays (3, N) need to meet them from outside; else the surface would be dark."""
-    cosine = -dot(normal, toward)
-    return unit(normal - toward * (0.02 - cosine).clamp_min(0.0))
+    return unit(normal - toward * (0.02 + dot(normal, toward)).clamp_min(0.0))
 
 
 def sphere_points(count: int, copies: int, generator: torch.Generator) -> Tensor:

@@ -76,8 +76,7 @@ def area_specular(
     front = (dot(normal, direct.toward) > 0) | (2 * at_half * up > out)
     radiance = torch.where(front, direct.frontal / direct.solid_angle, 0.0)
     tan_in, tan_out = (1 / (c * c) - 1 for c in (into, out))
-    strength = radiance * at_half / (out * up)
-    return AreaSpecular(strength, basis(at_half), tan_in, tan_out, outline)
+    return AreaSpecular(radiance * at_half / (out * up), basis(at_half), tan_in, tan_out, outline)
 
 
 def _round_place(direct: DirectIrradiance, normal: Tensor, view: Tensor, out: Tensor) -> tuple[Tensor, Tensor, Tensor]:
@@ -102,8 +101,7 @@ def _round_place(direct: DirectIrradiance, normal: Tensor, view: Tensor, out: Te
     scale = direct.solid_angle / (4 * math.pi * (aside * up) ** 2)
     xx, yy, xy = (scale * (sides[0][i] * sides[0][k] + sides[1][i] * sides[1][k]) for i, k in _PAIRS)
     product = direct.solid_angle / (4 * math.pi * aside * up**3)  # of the ellipse's half axes
-    length2 = x * x + y * y
-    head_on = length2 < 1e-8
+    head_on = x * x + y * y < 1e-8
     x, y = torch.where(head_on, slope, x), torch.where(head_on, 0.0, y)
     radius = product * slope * (yy * x * x - 2 * xy * x * y + xx * y * y).clamp_min(1e-20).rsqrt()
     # Slopes are tangents, so that the radius is smaller on the side of the normal.

@@ -10,6 +10,7 @@ for planes, spheres and cylinders.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import torch
 from torch import Tensor
@@ -20,7 +21,6 @@ from ...schema.orbit import IDENTITY
 from ..geometry.vectors import cosine_directions, cross, dot, unit
 from ..geometry.visibility import RayGeometry, sphere_points
 from ..material.inputs import ShadingInputs
-from .light_source import clipped_sphere
 from .light_types import PointLight
 from .shadows import k_means
 
@@ -37,16 +37,7 @@ class EmitterLight(PointLight):
 
     form: Tensor  # (3, 3) symmetric: the root of w.form.w is the intensity that unit vectors w and -w share
     lean: Tensor  # (3,) lean.w is added to that intensity along w, and subtracted along -w
-
-    @property
-    def owner(self) -> str:
-        """Always "": glowing surfaces are no light of the scene."""
-        return ""
-
-    @property
-    def has_shadow_edges(self) -> bool:
-        """Always False: surfaces do not move."""
-        return False
+    clipped: ClassVar[bool] = True
 
     def directivity(self, toward: Tensor, radius: Tensor | None = None) -> Tensor:
         """Intensity (N,), 1 on average, towards points from which unit vectors (3, N) lead to the light."""
@@ -54,46 +45,35 @@ class EmitterLight(PointLight):
         even = dot(way, self.form @ way).clamp_min(1e-12).sqrt()
         return (even + self.lean @ way).clamp_min(0.0)
 
-    def surface_cosine(self, cosine: Tensor, sine2: Tensor) -> Tensor:
-        """See `PointLight.surface_cosine`; only the light's part above the surface's horizon counts."""
-        return clipped_sphere(cosine, sine2)
-
 
 EmitterCluster = tuple[EmitterLight, float]  # light of color 1; its power if the surface has radiance 1
 
 
 class Emitters:
-    """Lights that stand for small bright surfaces, and stay when the emission fades; `near` is a typical distance of what is seen, meters."""
+    """Lights that stand for small bright surfaces, and stay when the emission fades; `near` is a typical distance of what is seen, meters.
+
+    `clusters` has those of every material, by index, that glows or has glowed; none where no lights stand for its surface.
+    """
 
     def __init__(self, geometry: RayGeometry, near: float) -> None:
         self._geometry, self._near = geometry, near
-        self._clusters: dict[int, list[EmitterCluster]] = {}
-
-    @property
-    def materials(self) -> tuple[int, ...]:
-        """Indices of the materials whose emission lights stand for."""
-        return tuple(m for m, clusters in self._clusters.items() if clusters)
-
-    @property
-    def glowing(self) -> tuple[int, ...]:
-        """Indices of all materials that glow, or have glowed."""
-        return tuple(self._clusters)
+        self.clusters: dict[int, list[EmitterCluster]] = {}
 
     def notice(self, shading_inputs: Sequence[ShadingInputs]) -> bool:
         """Makes lights of materials that glow for the first time; returns whether there are new ones."""
-        others = [m for m in range(len(shading_inputs)) if m not in self._clusters]
+        others = [m for m in range(len(shading_inputs)) if m not in self.clusters]
         new = {m for m in others if float(luminance(shading_inputs[m].emission.detach())) > _LEAST}
         self._geometry.set_apart(new)
         for material in sorted(new):
             with torch.no_grad():
-                self._clusters[material] = clusters_of(self._geometry, material, self._near)
+                self.clusters[material] = clusters_of(self._geometry, material, self._near)
         return bool(new)
 
     def lamps(self, shading_inputs: Sequence[ShadingInputs]) -> list[EmitterLight]:
         """All clusters as lights, differentiable in emission."""
         return [
             replace(lamp, color=shading_inputs[material].emission * power)
-            for material, clusters in self._clusters.items()
+            for material, clusters in self.clusters.items()
             for lamp, power in clusters
         ]
 
@@ -133,17 +113,14 @@ def _points(geometry: RayGeometry, triangles: Tensor) -> tuple[Tensor, Tensor, f
     chosen = torch.searchsorted(areas.cumsum(0), step).clamp_max(len(areas) - 1)
     uv = sphere_points(_POINTS, 1, torch.Generator().manual_seed(3))[:, 0].to(areas.device)
     root = uv[0].sqrt()
-    weights = 1 - root, root * (1 - uv[1]), root * uv[1]
-    place = sum((w * p[:, chosen] for w, p in zip(weights, (a, b, c), strict=True)), torch.zeros(()))
-    assert isinstance(place, Tensor)
+    place = (1 - root) * a[:, chosen] + root * (1 - uv[1]) * b[:, chosen] + root * uv[1] * c[:, chosen]
     return place, unit(double, 1e-15)[:, chosen], float(areas.sum())
 
 
 def _open(geometry: RayGeometry, material: int, place: Tensor, side: Tensor) -> Tensor:
     """(P,) 1 where a random ray that leaves a point to the side of the unit vector `side` (3, P) misses the same material, else 0."""
     uv = torch.rand((2, place.shape[1]), generator=torch.Generator().manual_seed(4)).to(place.device)
-    toward = cosine_directions(side, uv)
-    hits = geometry.nearest(place + side * (1e-5 * geometry.size), toward, "diffuse")
+    hits = geometry.nearest(place + side * (1e-5 * geometry.size), cosine_directions(side, uv), "diffuse")
     own = hits.hit & (geometry.material[hits.triangle.clamp_min(0)] == material)
     return (~own).to(place.dtype)
 
@@ -154,10 +131,7 @@ def _radius(place: Tensor) -> Tensor:
 
 
 def _blob(place: Tensor, sides: Tensor) -> Tensor:
-    """True if points (3, n) are a round and closed surface, which looks like a sphere from any distance.
-
-    `sides` (n,) is how many sides of the surface are open at each point.
-    """
+    """True if points (3, n) are a round and closed surface, like a sphere from any distance; `sides` (n,) of it are open at each point."""
     if place.shape[1] < 4:
         return torch.tensor(False, device=place.device)
     spread = torch.linalg.eigvalsh(torch.cov(place))
@@ -171,22 +145,15 @@ def _cluster(
     even, odd = (outside + inside) / 2 * area, (outside - inside) / 2 * area
     whole = float(even.sum())
     form = (normal * even) @ normal.T / max(whole, 1e-20)
-    around = _sphere().to(place)
-    root = (around * (form @ around)).sum(0).clamp_min(0.0).sqrt()
-    form = form / root.mean().clamp_min(1e-6).square()
-    lean = 2 * (normal * odd).sum(1) / max(whole, 1e-20)
-    axes = torch.eye(3, device=place.device)
-    name = f"emitter/{material}/{number}"
-    light = Light(name, "POINT", IDENTITY, (0.0, 0.0, 0.0), soft_falloff=False)
-    ones, middle = torch.ones(3, device=place.device), place.mean(1)
-    place_and_form = middle, axes, _radius(place), form, lean
-    lamp = EmitterLight(light, ones, *place_and_form, pictured=True, shadowless=material)
-    return lamp, 2 * math.pi * whole
-
-
-def _sphere() -> Tensor:
-    """(3, 2048) directions, evenly spread: a Fibonacci lattice."""
+    # Evenly spread directions, a Fibonacci lattice: the root's mean over them becomes 1.
     index = torch.arange(2048) + 0.5
     z, angle = 1 - index / 1024, index * (math.pi * (3 - math.sqrt(5)))
     radius = (1 - z * z).sqrt()
-    return torch.stack((radius * angle.cos(), radius * angle.sin(), z))
+    around = torch.stack((radius * angle.cos(), radius * angle.sin(), z)).to(place)
+    root = (around * (form @ around)).sum(0).clamp_min(0.0).sqrt()
+    form = form / root.mean().clamp_min(1e-6).square()
+    lean = 2 * (normal * odd).sum(1) / max(whole, 1e-20)
+    light = Light(f"emitter/{material}/{number}", "POINT", IDENTITY, (0.0, 0.0, 0.0), soft_falloff=False)
+    ones, axes = torch.ones(3, device=place.device), torch.eye(3, device=place.device)
+    place_and_form = place.mean(1), axes, _radius(place), form, lean
+    return EmitterLight(light, ones, *place_and_form, pictured=True, shadowless=material), 2 * math.pi * whole

@@ -5,6 +5,9 @@ A GGX lobe of reflected light is round if the surface is seen head on. At grazin
 of reflection, keeps its length along that plane, and tilts away from the surface: a light on the horizon makes an upright streak
 on a floor. A few round lobes, one above the other in that plane, approximate the long lobe, as in filtered importance sampling
 (Krivanek and Colbert 2008), here with fixed directions.
+
+Cycles samples an environment by importance. Its visible shadows come from small bright parts: a window, a light, the sun. These are
+taken out of the image as suns, lights with sharp shadows. The rest stays smooth light from all around.
 """
 
 import functools
@@ -14,60 +17,143 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 from torch import Tensor
-from torch.nn.functional import grid_sample, interpolate
+from torch.nn.functional import grid_sample, interpolate, max_pool2d, pad
 
+from ...color.constants import LUMINANCE_WEIGHTS
 from ...color.tensors import trilinear
-from ...scene import SceneData
+from ...scene import Light, SceneData
 from ...scene.values import RenderValues
-from ..geometry.vectors import dot, texels, unit
+from ...schema.orbit import IDENTITY
+from ..geometry.vectors import dot, tangents, texels, unit
 from ..material import albedo
 from ..material.albedo import mirrored, unshadowed, visible_normals
-from .environment_suns import EnvironmentSun, EnvironmentSunLight, split
+from .light_types import SunLight
 
-_ROUGH_HEIGHT = 48
-_SHARP_HEIGHT = 512
+_ROUGH_HEIGHT, _BLURRED_HEIGHT, _SEARCH_HEIGHT, _SHARP_HEIGHT = 48, 96, 128, 512  # rows of copies of the image
 _SOFT = 0.5  # roughness by which the world is blurred where only few directions are looked up
 SATIN, GLOSSY = 0.2, 0.4  # roughness of reflections between the mirror image and the diffuse light
 _FIRST_BLUR, _BLUR_STEP, _BLURS = 0.1, 0.1, 6  # roughness of the first blurred image, step, number
-_BLURRED_HEIGHT = 96
 _ROUGH = 0.3  # roughness from which lobes are so long that they need more parts
 _TAP_SIDE = 64  # squared: microfacet normals per integral
 _NARROWEST = 0.25  # least width of a round lobe over the long lobe's length: narrower ones are visible singly
+_MOST, _TRIED = 3, 6  # number of suns at most, and of candidates
+_REGION = 0.25  # least brightness of a sun's texels, relative to its brightest one
+_WIDE = math.radians(12.0)  # diameter from which a sun is too large to pass for a disc in a mirror
+_LEAST_SHARE = 0.12  # least irradiance from a sun over that from an even world of the same mean radiance
+_LEAST_CONTRAST = 3.0  # least radiance of a sun, as a disc, relative to the mean of the world
+_RADII = (3.0, 6.0, 12.0, 20.0)  # degrees around a peak within which a sun may lie
+_MOST_OF = 0.8  # share of the light around a peak that a sun's radius contains
+
+
+@dataclass(frozen=True)
+class EnvironmentSun:
+    """A bright part of an image, as a disc."""
+
+    toward: Tensor  # (3,) unit vector to it, before the image is turned
+    color: Tensor  # (3,) irradiance on a surface that faces it, without that from its surroundings' level
+    angle: float  # its diameter in radians, as a disc
+
+    @property
+    def wide(self) -> bool:
+        """True if reflections show the sun as a part of the image, not as the highlight of a disc."""
+        return self.angle > _WIDE
+
+
+def split_suns(picture: Tensor) -> tuple[Tensor, Tensor, list[EnvironmentSun]]:
+    """Splits an equirectangular image (1, 3, H, W): the image without narrow suns, without any sun, and the suns, the wide ones last."""
+    height = min(_SEARCH_HEIGHT, picture.shape[2])
+    small = interpolate(picture, (height, 2 * height), mode="area")[0].flatten(1)
+    toward, solid = texels(height, 2 * height, picture.device)
+    fine, _ = texels(picture.shape[2], picture.shape[3], picture.device)
+    weights = picture.new_tensor(LUMINANCE_WEIGHTS)
+    mean = float(weights @ small @ solid) / (4 * math.pi)
+    flat = picture[0].flatten(1)
+    found: list[tuple[float, EnvironmentSun, Tensor]] = []
+    for _ in range(_TRIED):
+        peak = _middle(weights @ small, toward, solid)
+        radius, level = _extent(small, toward, solid, peak, weights)
+        excess = _excess(small, toward, peak, radius, level)
+        if not float(weights @ excess @ solid) > 0:
+            break
+        part = _excess(flat, fine, peak, radius, level)
+        small, flat = small - excess, flat - part
+        # A disc with the centroid and second moment of the texels' luminous irradiance (T,).
+        light = weights @ excess * solid
+        center = toward @ light
+        center = center / center.norm()
+        moment = float((torch.arccos((center @ toward).clamp(-1.0, 1.0)) ** 2) @ light / light.sum())
+        sun = EnvironmentSun(center, excess @ solid, 2 * math.sqrt(2 * moment))
+        bright = float(weights @ sun.color)
+        radiance = bright / (math.pi * max(sun.angle / 2, 1e-4) ** 2)
+        if bright > _LEAST_SHARE * math.pi * mean and radiance > _LEAST_CONTRAST * mean:
+            found.append((bright, sun, part.view_as(picture)))
+    kept = sorted(found, key=lambda row: -row[0])[:_MOST]
+    nothing = torch.zeros_like(picture)
+    rest = sum((part for _, _, part in kept), nothing)
+    discs = sum((part for _, sun, part in kept if not sun.wide), nothing)
+    return picture - discs, picture - rest, sorted((sun for _, sun, _ in kept), key=lambda sun: sun.wide)
+
+
+def _middle(light: Tensor, toward: Tensor, solid: Tensor) -> Tensor:
+    """Direction (3,) to the middle of the bright region around the brightest of T texels."""
+    height = round(math.sqrt(len(light) / 2))
+    brightest = int(light.argmax())
+    bright = light >= light[brightest] * _REGION
+    bright &= toward[:, brightest] @ toward > math.cos(math.radians(2 * _RADII[-1]))
+    region = torch.zeros_like(bright)
+    region[brightest] = True
+    for _ in range(2 * height):  # as far as a region can reach
+        wide = pad(region.to(light.dtype).view(1, 1, height, -1), (1, 1, 0, 0), mode="circular")
+        grown = (max_pool2d(wide, 3, 1, (1, 0)).flatten() > 0) & bright
+        if torch.equal(grown, region):
+            break
+        region = grown
+    middle = toward @ (light * solid * region)
+    return middle / middle.norm().clamp_min(1e-20)
+
+
+def _extent(small: Tensor, toward: Tensor, solid: Tensor, peak: Tensor, weights: Tensor) -> tuple[float, Tensor]:
+    """Cosine of the least radius in `_RADII` that contains most of a peak's light, and the color (3,) of the ring around it."""
+    candidates = []
+    for degrees in _RADII:
+        radius = math.cos(math.radians(degrees))
+        cosine = peak @ toward
+        ring = (cosine < radius) & (cosine > math.cos(math.radians(1.3 * degrees + 1.0)))
+        # Where texels are too large for a ring, nothing stands out from its surroundings.
+        level = small[:, ring].median(1).values if bool(ring.any()) else small.max(1).values
+        light = weights @ _excess(small, toward, peak, radius, level) @ solid
+        candidates.append((float(light), radius, level))
+    most = max(light for light, _, _ in candidates)
+    return next((radius, level) for light, radius, level in candidates if light >= _MOST_OF * most)
+
+
+def _excess(picture: Tensor, toward: Tensor, peak: Tensor, radius: float, level: Tensor) -> Tensor:
+    """Light (3, T) of texels above a level (3,), around a peak; 0 for texels outside the radius, which is given as a cosine."""
+    near = (peak @ toward > radius).to(picture.dtype)
+    return (picture - level[:, None]).clamp_min(0.0) * near
 
 
 class Environment:
-    """The constant part of the world: its image, prepared for look-ups.
-
-    Attributes:
-        whole: The image (1, 3, H, W + 2), with a wrapped column at both sides; None for a plain color.
-        backdrop: The image that the camera sees, likewise; None for a plain color.
-        sharp: `whole` without narrow suns.
-        blurred: Copies of `sharp`, blurred to several degrees: see `blurred_stack`.
-        suns: The bright parts of the image, which `soft` and `harmonics` are without.
-        soft: A blurred copy.
-        hidden: Kinds of rays that do not meet the world.
-        harmonics: (9, 3) spherical harmonics of the radiance; a plain color has only the first.
-    """
+    """The constant part of the world: its image, prepared for look-ups; images are (1, 3, H, W + 2), wrapped at both sides."""
 
     def __init__(self, scene: SceneData, device: torch.device) -> None:
-        self.hidden = scene.world.hidden
-        self.suns: list[EnvironmentSun] = []
-        self.whole: Tensor | None = None
-        seen = scene.world.backdrop
-        self.horizon = scene.world.horizon
-        self.backdrop = None if seen is None else _padded(_sharp(seen, device))
+        image, seen = scene.world.image, scene.world.backdrop
+        self.hidden, self.horizon = scene.world.hidden, scene.world.horizon
+        self.suns: list[EnvironmentSun] = []  # the bright parts of the image, which `soft` and `harmonics` are without
+        self.whole: Tensor | None = None  # None for a plain color
+        self.backdrop = None if seen is None else _padded(_sharp(seen, device))  # what the camera sees, likewise
         self.sharp = self.blurred = self.soft = torch.zeros(0, device=device)
-        image = scene.world.image
         if scene.world.kind != "environment" or image is None:
+            # (9, 3) spherical harmonics of the radiance: a plain color has only the first.
             white = torch.full((1, 3), 2 * math.sqrt(math.pi), device=device)
             self.harmonics = torch.cat((white, torch.zeros((8, 3), device=device)))
             return
         sharp = _sharp(image, device)
-        shown, rest, self.suns = split(sharp)
+        shown, rest, self.suns = split_suns(sharp)
         small = interpolate(rest, (_ROUGH_HEIGHT, 2 * _ROUGH_HEIGHT), mode="area")[0]
         grid, solid = texels(_ROUGH_HEIGHT, 2 * _ROUGH_HEIGHT, device)
         self.harmonics = harmonics(grid).mul(solid) @ small.flatten(1).T
-        self.whole, self.sharp = _padded(sharp), _padded(shown)
+        self.whole, self.sharp = _padded(sharp), _padded(shown)  # without narrow suns
         if self.backdrop is None and _shares_picture(scene):
             self.backdrop = self.whole
         self.blurred = blurred_stack(shown)
@@ -94,11 +180,6 @@ class Sky:
         """True if a kind of rays meets the world."""
         return ray not in self.environment.hidden
 
-    @property
-    def pictured(self) -> bool:
-        """True if the world's light, or what the camera sees of the world, depends on the direction."""
-        return not self.plain or self.environment.backdrop is not None
-
     def signature(self) -> tuple[float, ...]:
         """Numbers that change when the uncolored radiance in any direction does."""
         return () if self.plain else (float(self.turn.detach()),)
@@ -112,18 +193,19 @@ class Sky:
         return self._radiance(self.environment.soft, toward, self.turn)
 
     def reflected(self, mirrored: Tensor, normal: Tensor, view: Tensor, roughness: float) -> Tensor:
-        """Uncolored radiance (3, N) of the world that a rough surface reflects.
-
-        `mirrored` and `normal` (3, N) are unit vectors, `view` (7, N) is the albedo basis at the viewing cosine.
-        """
+        """Uncolored radiance (3, N) of the world that a rough surface reflects, by unit vectors (3, N) and the albedo basis `view` (7, N)."""
         if self.plain:
             return torch.ones_like(mirrored)
         leans, widths = torch.einsum("pkb,bn->pkn", taps(roughness).to(view), view)
         upwards = normal - mirrored * dot(normal, mirrored)
+        height, width = self.environment.blurred.shape[3], self.environment.blurred.shape[4] - 2
         parts = []
-        for lean, width in zip(leans, widths, strict=True):
-            place = _place(unit(mirrored + upwards * lean), self.turn)[0, 0]
-            parts.append(look_up_blurred(self.environment.blurred, place, width))
+        for lean, round_roughness in zip(leans, widths, strict=True):
+            x, y = _place(unit(mirrored + upwards * lean), self.turn)[0, 0].unbind(1)
+            level = (round_roughness - _FIRST_BLUR) / (_BLUR_STEP * (_BLURS - 1) / 2) - 1
+            # In `trilinear`, -1 and 1 are the middles of the outermost texels.
+            where = torch.stack((x * (width / (width + 1)), y * (height / max(height - 1, 1)), level), 1)
+            parts.append(trilinear(self.environment.blurred, where))
         return torch.stack(parts).mean(0)
 
     def seen(self, toward: Tensor) -> Tensor:
@@ -140,23 +222,28 @@ class Sky:
             return self.backdrop_color[:, None]
         share = ((height - self.environment.horizon) / (1.0 - self.environment.horizon)).clamp(0.0, 1.0)
         smooth = share * share * (3.0 - 2.0 * share)
-        tint = self.horizon[:, None] + (1.0 - self.horizon[:, None]) * smooth
-        return self.backdrop_color[:, None] * tint
+        return self.backdrop_color[:, None] * (self.horizon[:, None] + (1.0 - self.horizon[:, None]) * smooth)
 
     def _radiance(self, picture: Tensor | None, toward: Tensor, turn: Tensor) -> Tensor:
         """Radiance (3, N) of a turned image in directions (3, N); 1 if there is no image."""
         if picture is None or not picture.numel():
             return torch.ones_like(toward)
         width = picture.shape[-1] - 2
-        place = _place(toward, turn)
-        place = place * place.new_tensor((width / (width + 2), 1.0))
+        place = _place(toward, turn) * toward.new_tensor((width / (width + 2), 1.0))
         return grid_sample(picture, place, padding_mode="border", align_corners=False)[0, :, 0]
 
     @property
-    def lamps(self) -> list[EnvironmentSunLight]:
+    def lamps(self) -> list[SunLight]:
         """The suns of the world's image, as lights."""
-        hidden = self.environment.hidden
-        return [sun.lamp(i, self.color, self.turn, hidden) for i, sun in enumerate(self.environment.suns)]
+        c, s, zero, one = self.turn.cos(), self.turn.sin(), torch.zeros_like(self.turn), torch.ones_like(self.turn)
+        rows = torch.stack((c, s, zero)), torch.stack((-s, c, zero)), torch.stack((zero, zero, one))
+        lamps = []
+        for number, sun in enumerate(self.environment.suns):
+            axes = torch.stack(rows) @ torch.cat((*tangents(sun.toward[:, None]), sun.toward[:, None]), 1)
+            light = Light(f"world/{number}", "SUN", IDENTITY, (0.0, 0.0, 0.0), hidden=self.environment.hidden)
+            place = torch.zeros_like(sun.toward), axes, torch.full_like(self.turn.detach(), sun.angle)
+            lamps.append(SunLight(light, sun.color * self.color, *place, pictured=sun.wide, owner="world"))
+        return lamps
 
     def coefficients(self) -> Tensor:
         """Spherical harmonics (9, 3) of the colored, turned world."""
@@ -201,16 +288,13 @@ def sky_of(environment: Environment, settings: RenderValues) -> Sky:
     kind = "color" if environment.backdrop is None else "tint"
     backdrop = settings.color(f"world/backdrop_{kind}", 1.0) * settings.scalar("world/backdrop_strength", 1.0)
     turned = turn if _shares_picture(settings.scene) else still
-    has_horizon = "world/backdrop_horizon" in settings.scene.instances
-    horizon = settings.color("world/backdrop_horizon", 1.0) if has_horizon else None
+    key = "world/backdrop_horizon"
+    horizon = settings.color(key, 1.0) if key in settings.scene.instances else None
     return Sky(environment, color, turn, backdrop, turned, horizon)
 
 
 def harmonics(toward: Tensor) -> Tensor:
-    """Real spherical harmonics up to degree 2, (9, N), of unit directions (3, N).
-
-    Order: 1, y, z, x, xy, yz, 3z^2 - 1, xz, x^2 - y^2 (Ramamoorthi and Hanrahan 2001).
-    """
+    """Real spherical harmonics (9, N) of unit directions (3, N): 1, y, z, x, xy, yz, 3z² - 1, xz, x² - y² (Ramamoorthi and Hanrahan 2001)."""
     x, y, z = toward.unbind(0)
     one = torch.full_like(x, 0.282095)
     linear = 0.488603 * y, 0.488603 * z, 0.488603 * x
@@ -245,16 +329,13 @@ def blurred_stack(picture: Tensor) -> Tensor:
     """L blurred copies (1, 3, L, H, W + 2) of an equirectangular image (1, 3, H, W), with wrapped columns at both sides."""
     height = min(_BLURRED_HEIGHT, picture.shape[2])
     small = interpolate(picture, (height, 2 * height), mode="area")[0]
-    levels = torch.stack([blurred(small, _FIRST_BLUR + _BLUR_STEP * level) for level in range(_BLURS)], 1)
-    return torch.cat((levels[..., -1:], levels, levels[..., :1]), -1)[None]
+    return _padded(torch.stack([blurred(small, _FIRST_BLUR + _BLUR_STEP * level) for level in range(_BLURS)], 1))[None]
 
 
 def blurred(picture: Tensor, roughness: float) -> Tensor:
-    """An image (3, H, 2H) averaged over the reflected GGX lobe seen head on (n = v = r).
-
-    The lobe's weight depends on the two rows and on the distance between the two columns. Along rows, the average is therefore a
-    convolution: a product of Fourier series.
-    """
+    """An image (3, H, 2H) averaged over the reflected GGX lobe seen head on (n = v = r)."""
+    # The lobe's weight depends on the two rows and on the distance between the two columns. Along rows, the average is therefore
+    # a convolution: a product of Fourier series.
     height, width = picture.shape[1:]
     elevation = ((torch.arange(height, device=picture.device) + 0.5) / height - 0.5) * math.pi
     apart = torch.arange(width, device=picture.device) * (2 * math.pi / width)
@@ -267,16 +348,6 @@ def blurred(picture: Tensor, roughness: float) -> Tensor:
     return torch.fft.irfft(torch.einsum("ijw,cjw->ciw", waves, torch.fft.rfft(picture)), n=width)
 
 
-def look_up_blurred(stack_: Tensor, place: Tensor, roughness: Tensor) -> Tensor:
-    """Radiance (3, N) averaged over round lobes of a roughness (N,), from a `blurred_stack`; places (N, 2) in [-1, 1] are across and up."""
-    height, width = stack_.shape[3], stack_.shape[4] - 2
-    level = (roughness - _FIRST_BLUR) / (_BLUR_STEP * (_BLURS - 1) / 2) - 1
-    x, y = place.unbind(1)
-    # In `trilinear`, -1 and 1 are the middles of the outermost texels.
-    where = torch.stack((x * (width / (width + 1)), y * (height / max(height - 1, 1)), level), 1)
-    return trilinear(stack_, where)
-
-
 @functools.cache
 def taps(roughness: float) -> Tensor:
     """The K round lobes that approximate the long lobe of a roughness (see the module's docstring).
@@ -285,8 +356,7 @@ def taps(roughness: float) -> Tensor:
     direction towards the normal: its tangent, divided by the sine of the viewer's angle. The second is its roughness.
     """
     count = 2 if roughness < _ROUGH else 4
-    rows = [_taps(c, roughness**2, count) for c in albedo.COSINES]
-    return albedo.fit(torch.stack(rows, -1))
+    return albedo.fit(torch.stack([_taps(cosine, roughness**2, count) for cosine in albedo.COSINES], -1))
 
 
 def _taps(cosine: float, alpha: float, count: int) -> Tensor:
@@ -308,8 +378,7 @@ def _taps(cosine: float, alpha: float, count: int) -> Tensor:
     length = _median((lean - _median(lean, weight)).abs(), weight)
     width = torch.maximum(width, _NARROWEST * length)
     # A round lobe is as long as it is wide, so that the lobes' middles are closer together than the parts'.
-    center = middle.mean()
-    middle = center + (middle - center) * (1 - (width.mean() / length) ** 2).clamp_min(0.0).sqrt()
+    middle = middle.mean() + (middle - middle.mean()) * (1 - (width.mean() / length) ** 2).clamp_min(0.0).sqrt()
     # In slopes, half of a GGX lobe lies within alpha / sqrt(3) of a line through its middle.
     round_ = (math.sqrt(3) * (width / 2).tan()).sqrt()
     return torch.stack((middle.clamp_max(1.4).tan() / sine[0], round_))

@@ -60,18 +60,19 @@ class LightSource(ABC):
     size: Float[Tensor, ""]  # () radius, width or angle, see `read_size`
     pictured: bool = field(default=False, kw_only=True)  # whether reflections show its image, not a highlight
     shadowless: int = field(default=-1, kw_only=True)  # material without a shadow in its light; -1 for none
+    # owner of the parameters that its color depends on: "light/NAME" or "world"; "" for what surfaces emit
+    owner: str = field(default="", kw_only=True)
 
     energy_name: ClassVar[str] = "power"  # the parameter of its energy: "power" in watts, "strength" in W/m²
     at_infinity: ClassVar[bool] = False  # whether all its light comes from one direction, with no distance
     segment_parts: ClassVar[int] = 1  # number of parts that a segment of fog has for its light
 
     @classmethod
-    def of(cls, light: Light, scene: SceneData, values: RenderValues) -> Self:
-        """A scene's light at the values of one render."""
+    def of(cls, light: Light, scene: SceneData, values: RenderValues, **more: Any) -> Self:
+        """A scene's light at the values of one render; `more` are fields of its type."""
         key = f"light/{light.name}/"
         azimuth, elevation = values.scalar(key + "azimuth"), values.scalar(key + "elevation")
-        energy = values.scalar(key + cls.energy_name, 1.0)
-        color = values.color(key + "color", 1.0) * (energy * 2.0**light.exposure)
+        color = values.color(key + "color", 1.0) * (values.scalar(key + cls.energy_name, 1.0) * 2.0**light.exposure)
         temperature = values.scalar(key + "temperature", 6500.0)
         if light.use_temperature or needs_gradient(temperature) or float(temperature.detach()) != 6500.0:
             color = color * blackbody(temperature)
@@ -86,7 +87,7 @@ class LightSource(ABC):
         else:
             axes = frame(azimuth, elevation) @ axes
             position = pivot + distance * direction(azimuth, elevation)
-        return cls(light, color, position, axes, within(size, 0.0, math.inf))
+        return cls(light, color, position, axes, within(size, 0.0, math.inf), owner=f"light/{light.name}", **more)
 
     @staticmethod
     def read_size(light: Light, values: RenderValues) -> Float[Tensor, ""]:
@@ -122,19 +123,9 @@ class LightSource(ABC):
         return ray not in self.light.hidden
 
     @property
-    def owner(self) -> str:
-        """Owner of the parameters that its color depends on: "light/NAME" or "world"; "" for what surfaces emit."""
-        return f"light/{self.light.name}"
-
-    @property
     def shines(self) -> bool:
         """True if it gives light, or its color is being learned."""
         return self.color.requires_grad or bool(self.color.any())
-
-    @property
-    def has_shadow_edges(self) -> bool:
-        """True if its shadows' edges have gradients."""
-        return self.light.shadow
 
     @property
     def placement(self) -> dict[str, Tensor]:
@@ -149,10 +140,6 @@ class LightSource(ABC):
     def signature(self) -> tuple[float, ...]:
         """Numbers that change when its placement does."""
         return tuple(torch.cat([part.detach().flatten() for part in self.placement.values()]).tolist())
-
-    def has_rays_of(self, other: LightSource | None) -> bool:
-        """True if rays to its center are the same as those to another light's; size and color may differ."""
-        return other is not None and self.position.equal(other.position) and self.axes.equal(other.axes)
 
     def detached(self) -> Self:
         """The same light without gradients."""
@@ -199,19 +186,22 @@ def equiangular(
 ) -> SegmentLight:
     """Light from a place (3,) along rays, integrated analytically (equiangular sampling: Kulla and Fajardo 2012).
 
-    The parts of a segment subtend equal angles at the light, and so get equal light.
-
-    Args:
-        softness: () meters, added to the ray's distance from the light as a root sum of squares: about the effect of averaging
-            over the light's size.
-        back: (3,) opposite of the direction in which a flat light shines; None for a light that shines to all sides.
-        intensity: Maps unit vectors (3, n) to the light to its intensity (n,) in the opposite directions.
+    The parts of a segment subtend equal angles at the light, and so get equal light. `softness` (), meters, is added to the ray's
+    distance from the light as a root sum of squares: about the effect of averaging over the light's size. A flat light shines
+    opposite to `back` (3,), others to all sides. `intensity` maps unit vectors (3, n) to the light to that (n,) in the opposite
+    directions.
     """
     to_light = position.view(3, 1, 1) - segments.start
     closest = (to_light * segments.toward).sum(0)
     aside = (to_light * to_light).sum(0) - closest * closest
     aside = (aside.clamp_min(0) + softness * softness + 1e-6).sqrt()
-    cuts = segments.cuts if back is None else _lit_cuts(segments, position, back)
+    cuts = segments.cuts
+    if back is not None:
+        # Ends of segments behind a flat light, which shines to one side only, are moved to its plane.
+        z = back.view(3, 1, 1)
+        slope = (z * segments.toward).sum(0)  # above 0 from the lit side to the dark one
+        plane = (z * to_light).sum(0) / torch.where(slope.abs() < 1e-6, 1e-6, slope)
+        cuts = torch.where(slope > 0, torch.minimum(cuts, plane), torch.maximum(cuts, plane))
     angle = torch.atan((cuts - closest) / aside)[:, None]
     step = angle[1:] - angle[:-1]
     part = (torch.arange(parts, device=aside.device) + 0.5).view(-1, 1, 1) / parts
@@ -224,13 +214,3 @@ def equiangular(
     toward = offset / distance
     strength = intensity(toward.flatten(1)).view(distance.shape) * mean_inverse_square
     return SegmentLight(points, toward, distance, strength)
-
-
-def _lit_cuts(segments: RaySegments, position: Tensor, back: Tensor) -> Tensor:
-    """The segments' ends (S + 1, …); those behind a flat light, which shines to one side only, are moved to its plane."""
-    z = back.view(3, 1, 1)
-    before = (z * (position.view(3, 1, 1) - segments.start)).sum(0)
-    slope = (z * segments.toward).sum(0)
-    plane = before / torch.where(slope.abs() < 1e-6, 1e-6, slope)
-    leaving = slope > 0  # from the lit side to the dark one
-    return torch.where(leaving, torch.minimum(segments.cuts, plane), torch.maximum(segments.cuts, plane))

@@ -4,16 +4,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import torch
 from jaxtyping import Float
 from torch import Tensor
 
 from ...scene import Light, SceneData
-from ...scene.values import Remembered, RenderValues
+from ...scene.values import Recent, RenderValues
 from ..geometry.camera import RaySegments
 from ..geometry.vectors import cross, dot, length, unit, within
 from .light_source import (
@@ -40,6 +40,8 @@ _GAUSS = ((-0.861136, 0.173927), (-0.339981, 0.326073), (0.339981, 0.326073), (0
 class PointLight(LightSource):
     """A sphere of radius `size`; its energy is its power in watts."""
 
+    clipped: ClassVar[bool] = False  # whether only its part above a surface's horizon counts
+
     def irradiance(self, points: Vectors, normals: Vectors) -> DirectIrradiance:
         """Power / (4 pi d^2), which Blender's soft falloff (its default) lowers near large lights.
 
@@ -53,11 +55,11 @@ class PointLight(LightSource):
         if not self.light.normalize:
             frontal = frontal * (4 * math.pi * self.size * self.size)
         frontal = frontal * self.directivity(toward, self.size / distance)
-        cosine = dot(normals, toward)
-        radius2 = self.size * self.size
-        cosine = self.surface_cosine(cosine, (radius2 / squared).clamp_max(1.0)).clamp_min(0.0)
+        cosine, radius2 = dot(normals, toward), self.size * self.size
+        if self.clipped:
+            cosine = clipped_sphere(cosine, (radius2 / squared).clamp_max(1.0))
         solid = (math.pi * radius2 / squared).clamp(math.pi * POINT_RADIUS**2, 2 * math.pi)
-        return DirectIrradiance(toward, distance, frontal * cosine, frontal, solid)
+        return DirectIrradiance(toward, distance, frontal * cosine.clamp_min(0.0), frontal, solid)
 
     def directivity(self, toward: Vectors, radius: Numbers | None = None) -> Numbers:
         """Intensity (N,) relative to an even light, towards points from which unit vectors (3, N) lead to the light.
@@ -66,47 +68,31 @@ class PointLight(LightSource):
         """
         return torch.ones_like(toward[0])
 
-    def surface_cosine(self, cosine: Numbers, sine2: Numbers) -> Numbers:
-        """Factor (N,) that a surface's angle to the light has in the irradiance.
-
-        From the cosine (N,) at the light's center, and the squared sine `sine2` (N,) of the light's angular radius.
-        """
-        return cosine
-
     def shadow_targets(self, direct: DirectIrradiance, uv: Float[Tensor, "2 n"]) -> tuple[Vectors, Numbers]:
         """See `LightSource.shadow_targets`: points of the disc that faces the shaded point."""
-        offset = disc_offsets(direct.toward, direct.solid_angle, uv) * direct.distance
-        target = direct.toward * direct.distance + offset
+        target = direct.toward * direct.distance + disc_offsets(direct.toward, direct.solid_angle, uv) * direct.distance
         away = length(target)
         return target / away, away
 
     def in_scattering(self, segments: RaySegments, parts: int) -> SegmentLight:
         """See `LightSource.in_scattering`."""
-        return equiangular(segments, self.position, self.size * 0.5, None, parts, self._intensity)
-
-    def _intensity(self, toward: Tensor) -> Tensor:
-        radius2 = self.size * self.size
-        even = (1.0 if self.light.normalize else 4 * math.pi * radius2) / (4 * math.pi)
-        return even * torch.ones_like(toward[0]) * self.directivity(toward)
+        even = (1.0 if self.light.normalize else 4 * math.pi * (self.size * self.size)) / (4 * math.pi)
+        place = segments, self.position, self.size * 0.5, None, parts
+        return equiangular(*place, lambda toward: even * self.directivity(toward))
 
 
 @dataclass(frozen=True)
 class SpotLight(PointLight):
     """A point light that shines into a cone; inside it is as bright as a point light of the same power."""
 
-    # () full opening angle, radians; by default that of `light`
-    cone: Float[Tensor, ""] = field(default_factory=lambda: torch.tensor(math.nan))
+    cone: Float[Tensor, ""] = field(kw_only=True)  # () full opening angle, radians
     segment_parts: ClassVar[int] = 4  # its cone has an edge
 
-    def __post_init__(self) -> None:
-        if self.cone.isnan():
-            object.__setattr__(self, "cone", self.size.new_tensor(self.light.spot_size))
-
     @classmethod
-    def of(cls, light: Light, scene: SceneData, values: RenderValues) -> SpotLight:
+    def of(cls, light: Light, scene: SceneData, values: RenderValues, **more: Any) -> SpotLight:
         """See `LightSource.of`."""
         opening = values.scalar(f"light/{light.name}/cone", math.degrees(light.spot_size))
-        return replace(super().of(light, scene, values), cone=torch.deg2rad(opening))
+        return super().of(light, scene, values, cone=torch.deg2rad(opening), **more)
 
     @property
     def placement(self) -> dict[str, Tensor]:
@@ -197,8 +183,7 @@ class AreaLight(LightSource):
 
     def in_scattering(self, segments: RaySegments, parts: int) -> SegmentLight:
         """See `LightSource.in_scattering`."""
-        back = self.axes[:, 2]
-        return equiangular(segments, self.position, self.size * 0.25, back, parts, self._intensity)
+        return equiangular(segments, self.position, self.size * 0.25, self.axes[:, 2], parts, self._intensity)
 
     def _intensity(self, toward: Tensor) -> Tensor:
         facing = (self.axes[:, 2] @ toward).clamp_min(0)
@@ -229,8 +214,7 @@ class AreaLight(LightSource):
     def _polygon(self, points: Tensor, normals: Tensor) -> Tensor:
         """Irradiance (N,) from a rectangle of radiance 1: Lambert's formula, clipped at the horizon as a sphere is."""
         u, v = self.half_axes()
-        corners = [self.position[:, None] + u * x + v * y - points for x, y in _CORNERS]
-        corners = [unit(corner) for corner in corners]
+        corners = [unit(self.position[:, None] + u * x + v * y - points) for x, y in _CORNERS]
         flux = torch.zeros_like(points)
         for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
             cosine = dot(a, b).clamp(-0.99999, 0.99999)
@@ -260,9 +244,8 @@ class SunLight(LightSource):
         """See `LightSource.irradiance`."""
         toward = self.axes[:, 2:3]
         cosine = dot(normals, toward).clamp_min(0.0)
-        half = within(self.size / 2, POINT_RADIUS, math.pi / 2)
         one = torch.ones_like(cosine)
-        solid = 2 * math.pi * (1 - half.cos())
+        solid = 2 * math.pi * (1 - within(self.size / 2, POINT_RADIUS, math.pi / 2).cos())
         return DirectIrradiance(toward.expand_as(normals), one * math.inf, cosine, one, one * solid)
 
     def shadow_targets(self, direct: DirectIrradiance, uv: Float[Tensor, "2 n"]) -> tuple[Vectors, Numbers]:
@@ -284,11 +267,10 @@ LIGHT_TYPES: dict[str, type[LightSource]] = {
 """Blender's name of a light type to its class."""
 
 
-def light_sources(scene: SceneData, values: RenderValues, made: Remembered | None = None) -> list[LightSource]:
+def light_sources(scene: SceneData, values: RenderValues, made: Recent | None = None) -> list[LightSource]:
     """All lights of the scene at the render's values; `made` keeps those whose values stay the same."""
-    kept = made or Remembered()
-    found = []
+    kept, found = made or Recent(), []
     for number, light in enumerate(scene.lights):  # instances of a light share its name
         make = partial(LIGHT_TYPES[light.type].of, light, scene, values)
-        found.append(kept.of(f"light/{light.name}", values, make, number))
+        found.append(values.kept(kept, f"light/{light.name}", make, number))
     return found

@@ -4,15 +4,16 @@
 With more than `EXACT` lights, the strongest are traced one by one, the others in clusters of lights that light the visible points
 alike. A cluster needs as many shadow rays as one light, and one of its lights stands for all in bounced light (Walter et al.,
 "Lightcuts", 2005). Which lights are alike is read from the matrix of unshadowed light that each sends to visible points (Hašan et
-al., "Matrix row-column sampling for the many-light problem", 2007). Unshadowed direct light and highlights are computed for each
-light.
+al., "Matrix row-column sampling for the many-light problem", 2007). Every light has its own unshadowed light and highlight.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import torch
 from torch import Tensor
@@ -26,6 +27,9 @@ from .light_source import DirectIrradiance, LightSource
 EXACT = 16  # lights traced one by one; of more, the strongest EXACT // 2, the rest in EXACT // 2 clusters
 _POINTS = 256
 _K_MEANS_ROUNDS = 12
+_MOST_RAYS = 4
+_SHARP = 1e-3  # solid angle below which one ray is enough
+_CLUSTER_RAYS = 4
 
 
 @dataclass(frozen=True)
@@ -67,8 +71,7 @@ class LightClusters:
         """Clusters lights by what they send to a surface; few lights, the strongest, and those that move stay alone."""
         if len(lamps) <= EXACT or not len(surface.material):
             return LightClusters([LightCluster((i,), (1.0,)) for i in range(len(lamps))])
-        chosen = torch.linspace(0, len(surface.material) - 1, _POINTS).long()
-        some = surface.pick(chosen.to(surface.material.device))
+        some = surface.pick(torch.linspace(0, len(surface.material) - 1, _POINTS).long().to(surface.material.device))
         still = [lamp.detached() for lamp in lamps]
         sent = torch.stack([lamp.irradiance(some.position, some.normal).irradiance for lamp in still])
         colors = torch.stack([lamp.color.detach() for lamp in lamps])
@@ -88,13 +91,6 @@ class LightClusters:
         return LightClusters([LightCluster(g, tuple((mean[list(g)] / mean[g[0]]).tolist())) for g in groups])
 
 
-def weights(cluster: LightCluster, lamps: Sequence[LightSource]) -> Tensor:
-    """Relative number (C,) of shadow rays to each member: its light on visible points, plus a tenth of the mean, above 0."""
-    bright = luminance(torch.stack([lamps[i].color.detach() for i in cluster.members]))[:, 0]
-    power = (bright * bright.new_tensor(cluster.powers)).clamp_min(0.0)
-    return power + 0.1 * power.mean() + 1e-12
-
-
 def k_means(points: Tensor, count: int) -> Tensor:
     """The cluster (P,) of each of P points (D, P), at most `count`; deterministic, with start centers far from each other."""
     centers = points[:, :1]
@@ -107,11 +103,6 @@ def k_means(points: Tensor, count: int) -> Tensor:
         member = torch.nn.functional.one_hot(label, count).to(points.dtype)
         centers = (points @ member) / member.sum(0).clamp_min(1.0)
     return label
-
-
-_MOST_RAYS = 4
-_SHARP = 1e-3  # solid angle below which one ray is enough
-_CLUSTER_RAYS = 4
 
 
 def shadow(
@@ -155,73 +146,69 @@ class ShadowFilter:
         grid = torch.zeros((4, width * height), device=fields.device)
         grid[:, self._inside] = fields[:, chosen]
         self._grid = grid.view(4, height, width)
-        self._same: dict[tuple[int, int], Tensor] = {}
-        self._weight: dict[int, Tensor] = {}
+        self._neighbors: dict[int, tuple[list[tuple[Any, Any, Tensor]], Tensor]] = {}  # by radius, see `_alike`
 
     def __call__(self, visible: Tensor, radius: int) -> Tensor:
         """The shares `visible` (N,), averaged over `radius` pixels to each side; samples of edges stay as they are."""
         value = torch.zeros(self._inside.shape, device=visible.device)
         value[self._inside] = visible[self._chosen]
         value = value.view(self._size)
+        if radius not in self._neighbors:
+            self._neighbors[radius] = self._alike(radius)
+        neighbors, weight = self._neighbors[radius]
         total = value.clone()
-        for step in _steps(radius):
-            to, of = self._shifted(*step)
-            total[to] += value[of] * self._alike(*step)
-        if radius not in self._weight:  # how many pixels (H, W) are averaged
-            weight = self._weight[radius] = torch.ones(self._size, device=self._grid.device)
-            for step in _steps(radius):
-                weight[self._shifted(*step)[0]] += self._alike(*step)
+        for to, of, alike in neighbors:
+            total[to] += value[of] * alike
         smooth = visible.clone()
-        smooth[self._plain] = (total / self._weight[radius]).flatten()[self._plain_pixel]
+        smooth[self._plain] = (total / weight).flatten()[self._plain_pixel]
         return smooth
 
-    def _alike(self, dy: int, dx: int) -> Tensor:
-        """(h, w) bool: pixels on the same smooth surface as their neighbor at an offset; only pixels that have one."""
-        if (dy, dx) not in self._same:
-            to, of = self._shifted(dy, dx)
-            normal, depth = self._grid[:3], self._grid[3]
-            alike = dot(normal[:, to[0], to[1]], normal[:, of[0], of[1]]) > 0.95
-            most = 8.0 * math.hypot(dx, dy) / max(self._size)
-            self._same[dy, dx] = alike & ((depth[to] - depth[of]).abs() < depth[to] * most)
-        return self._same[dy, dx]
+    def _alike(self, radius: int) -> tuple[list[tuple[Any, Any, Tensor]], Tensor]:
+        """Neighbors on the same smooth surface, and how many pixels (H, W) are averaged.
 
-    def _shifted(self, dy: int, dx: int) -> tuple[tuple[slice, slice], tuple[slice, slice]]:
-        """The pixels that have a neighbor at an offset, and these neighbors."""
-        (rows, of_rows), (columns, of_columns) = map(overlap, (dy, dx), self._size)
-        return (rows, columns), (of_rows, of_columns)
-
-
-def _steps(radius: int) -> list[tuple[int, int]]:
-    side = range(-radius, radius + 1)
-    return [(dy, dx) for dy in side for dx in side if dx or dy]
+        For each offset: the pixels that have a neighbor there and these neighbors, as slices, and (h, w) bool.
+        """
+        neighbors, weight = [], torch.ones(self._size, device=self._grid.device)
+        for dy, dx in itertools.product(range(-radius, radius + 1), repeat=2):
+            if dy or dx:
+                to, of = zip(*map(overlap, (dy, dx), self._size), strict=True)
+                there, other = self._grid[:, *to], self._grid[:, *of]
+                most = 8.0 * math.hypot(dx, dy) / max(self._size)
+                alike = (dot(there[:3], other[:3]) > 0.95) & ((there[3] - other[3]).abs() < there[3] * most)
+                weight[to] += alike
+                neighbors.append((to, of, alike))
+        return neighbors, weight
 
 
 def cluster_shadow(
-    geometry: RayGeometry, smoothing: ShadowFilter, lamps: Sequence[LightSource], weights: Tensor
+    geometry: RayGeometry, smoothing: ShadowFilter, cluster: LightCluster, lamps: Sequence[LightSource]
 ) -> Tensor:
-    """Share (N,) of the light of several lights together that every surface sample sees.
+    """Share (N,) of the light of a cluster's lights together that every surface sample sees.
 
-    A sample has a few rays, each to a light that is drawn with a chance proportional to its weight, (C,) > 0. The light along
-    these rays is summed over neighbors on the same smooth surface, with and without shadows. The share is the ratio of the two
-    sums. All these lights must cast shadows, and light all objects.
+    A sample has a few rays, each to a light that is drawn with a chance proportional to its light on visible points, plus a tenth
+    of the mean. The light along these rays is summed over neighbors on the same smooth surface, with and without shadows. The
+    share is the ratio of the two sums. All these lights must cast shadows, and light all objects.
     """
-    surface, device = smoothing.surface, weights.device
-    count = len(surface.material)
+    members = [lamps[i].detached() for i in cluster.members]
+    bright = luminance(torch.stack([lamp.color for lamp in members]))[:, 0]
+    power = (bright * bright.new_tensor(cluster.powers)).clamp_min(0.0)
+    weights = power + 0.1 * power.mean() + 1e-12
     chance = weights / weights.sum()
+    surface, device = smoothing.surface, chance.device
+    count = len(surface.material)
     generator = torch.Generator().manual_seed(12)
-    jitter = torch.rand((count, _CLUSTER_RAYS), generator=generator)
-    strata = (torch.arange(_CLUSTER_RAYS) + jitter) / _CLUSTER_RAYS
-    chosen = torch.searchsorted(chance.cumsum(0), strata.to(device)).clamp_max(len(lamps) - 1)
+    strata = (torch.arange(_CLUSTER_RAYS) + torch.rand((count, _CLUSTER_RAYS), generator=generator)) / _CLUSTER_RAYS
+    chosen = torch.searchsorted(chance.cumsum(0), strata.to(device)).clamp_max(len(members) - 1)
     spots = sphere_points(_CLUSTER_RAYS, count, generator).to(device)
     seen, whole = torch.zeros((2, count), device=device)
-    for number, lamp in enumerate(lamps):
+    for number, lamp in enumerate(members):
         sample, ray = (chosen == number).nonzero().T
         part = surface.pick(sample)
         direct = lamp.irradiance(part.position, part.normal)
         brought = direct.irradiance * luminance(lamp.color) / chance[number]
         index = (brought > 0).nonzero()[:, 0]
-        sample, ray, part, brought = sample[index], ray[index], part.pick(index), brought[index]
-        direct = direct.pick(index)
+        sample, ray, brought = sample[index], ray[index], brought[index]
+        part, direct = part.pick(index), direct.pick(index)
         toward, distance = lamp.shadow_targets(direct, spots[:, sample, ray])
         clear = geometry.clear(geometry.lifted(part), toward, distance * (1 - 1e-4), lamp.shadowless)
         facing = dot(part.facet, direct.toward) > 0

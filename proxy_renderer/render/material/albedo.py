@@ -15,8 +15,9 @@ from jaxtyping import Float
 from torch import Tensor
 
 _POWERS = (0, 1, 2, 3, 5, 8, 14)  # powers of (1 - cosine) that make the basis
-_ROUGHNESS = 17
-_CONTRAST = 17
+SCHLICK_CURVE = tuple(float(p == 5) for p in _POWERS)  # coefficients of (1 - c)^5
+_ROUGHNESS, _CONTRAST = 17, 17  # numbers of values in tables
+_SIDE = 12  # squared: microfacet normals per integral
 COSINES = tuple((torch.linspace(0.0, 1.0, 24) ** 1.25 * 0.99 + 0.01).tolist())
 """Cosines at which `fit` takes the values of functions; denser at grazing angles, where albedos change fastest."""
 
@@ -45,34 +46,19 @@ def f0_of(ior: Tensor) -> Tensor:
     return ((ior - 1) / (ior + 1)) ** 2
 
 
-def energy(roughness: Tensor) -> tuple[Tensor, Tensor]:
-    """Coefficients (7,) of the single-scattering albedo without Fresnel, and its cosine-weighted mean (); (7, N) and (N,) for a roughness (N,)."""
-    table, mean = _tables()[:2]
-    return _between(table, roughness), _between(mean, roughness)
+def over_roughness(name: str, roughness: Tensor) -> Tensor:
+    """Coefficients (7,) of a table of `_tables` at a roughness (), or its "mean" (); (7, N) and (N,) for a roughness (N,)."""
+    return _between(_tables()[name], roughness)
 
 
-def schlick_share(roughness: Tensor) -> Tensor:
-    """Coefficients (7,) of s in albedo = mix(F0, 1, s), with Schlick's fifth power as Fresnel curve."""
-    return _between(_tables()[2], roughness)
-
-
-def edge_share(roughness: Tensor) -> Tensor:
-    """Coefficients (7,) of the albedo of F82's edge term c (1 - c)^6, divided by the albedo without Fresnel."""
-    return _between(_tables()[5], roughness)
+def over_ior(name: str, ior: Tensor) -> Tensor:
+    """Coefficients (7,) of the table "curve" of `_tables` at an IOR (), or (R, 7) of "dielectric"."""
+    return _between(_tables()[name], ((ior - 1) / (ior + 1)).clamp_min(1e-4).sqrt())
 
 
 def dielectric_share(roughness: Tensor, ior: Tensor) -> Tensor:
-    """Coefficients (7,) of s in albedo = mix(F0, 1, s) for a dielectric's true Fresnel curve."""
-    rows = _between(_tables()[3], ((ior - 1) / (ior + 1)).clamp_min(1e-4).sqrt())
-    return _between(rows, roughness)
-
-
-def dielectric_curve(ior: Tensor) -> Tensor:
-    """Coefficients (7,) of the Fresnel curve itself, (F - F0) / (1 - F0), over the cosine at the half vector."""
-    return _between(_tables()[4], ((ior - 1) / (ior + 1)).clamp_min(1e-4).sqrt())
-
-
-SCHLICK_CURVE = tuple(float(p == 5) for p in _POWERS)  # coefficients of (1 - c)^5
+    """Coefficients (7,) of the table "dielectric" of `_tables`; (7, N) for a roughness (N,)."""
+    return _between(over_ior("dielectric", ior), roughness)
 
 
 @functools.cache
@@ -107,26 +93,32 @@ def _between(table: Tensor, place: Tensor) -> Tensor:
 
 def fit(values: Tensor) -> Tensor:
     """Least-squares coefficients (..., 7) of functions given at `COSINES` (..., 24)."""
-    matrix = basis(torch.tensor(COSINES)).T.double()
-    return (torch.linalg.pinv(matrix) @ values.double()[..., None])[..., 0].float()
+    return (torch.linalg.pinv(basis(torch.tensor(COSINES)).T.double()) @ values.double()[..., None])[..., 0].float()
 
 
 @functools.cache
-def _tables() -> tuple[Tensor, ...]:
-    """Tables over R values of roughness and Z values of the IOR.
+def _tables() -> dict[str, Tensor]:
+    """Tables of coefficients over R values of roughness and Z values of the IOR.
 
-    Coefficients of the energy (R, 7), its mean (R,), coefficients of Schlick share (R, 7), dielectric share (Z, R, 7), dielectric
-    curve (Z, 7), edge share (R, 7).
+    energy (R, 7): the single-scattering albedo without Fresnel; mean (R,): its cosine-weighted mean, not coefficients
+    schlick (R, 7): s in albedo = mix(F0, 1, s), with Schlick's fifth power as Fresnel curve
+    edge (R, 7): the albedo of F82's edge term c (1 - c)^6, divided by the albedo without Fresnel
+    dielectric (Z, R, 7): s for a dielectric's true Fresnel curve
+    curve (Z, 7): that curve itself, (F - F0) / (1 - F0), over the cosine at the half vector
     """
-    roughness = torch.linspace(0, 1, _ROUGHNESS).clamp_min(0.02)
-    cosine = torch.tensor(COSINES)
-    weight, at_half = _visible_normals(cosine, roughness)
+    roughness, cosine = torch.linspace(0, 1, _ROUGHNESS).clamp_min(0.02), torch.tensor(COSINES)
+    # Weights G2/G1 and half-vector cosines (R, C, S), for C cosines of the viewer and S visible microfacets.
+    grid = (torch.arange(_SIDE) + 0.5) / _SIDE
+    uv = torch.stack(torch.meshgrid(grid, grid, indexing="ij")).flatten(1)
+    alpha, viewer = (roughness * roughness)[:, None, None], cosine[None, :, None]
+    toward, at_half = mirrored(viewer, visible_normals(viewer, alpha, uv[:, None, None]))
+    weight = unshadowed(viewer, alpha, toward[2])
     e = weight.mean(-1)
     schlick = ((1 - at_half) ** 5 * weight).mean(-1) / e
     fine = torch.linspace(0, 1, 257)[1:] - 1 / 512
     edge = (at_half * (1 - at_half) ** 6 * weight).mean(-1) / e
-    coefficients = fit(e)
-    mean = (coefficients @ basis(fine) * (2 * fine)).mean(-1)
+    energy = fit(e)
+    mean = (energy @ basis(fine) * (2 * fine)).mean(-1)
     contrast = torch.linspace(0, 1, _CONTRAST).clamp(0.01, 0.99) ** 2
     shares, curves = [], []
     for ior in (1 + contrast) / (1 - contrast):
@@ -134,18 +126,8 @@ def _tables() -> tuple[Tensor, ...]:
         share = (((fresnel(at_half, ior) - f0) / (1 - f0)) * weight).mean(-1) / e
         shares.append(fit(share))
         curves.append(fit((fresnel(cosine, ior) - f0) / (1 - f0)))
-    return coefficients, mean, fit(schlick), torch.stack(shares), torch.stack(curves), fit(edge)
-
-
-def _visible_normals(cosine: Tensor, roughness: Tensor) -> tuple[Tensor, Tensor]:
-    """Weights G2/G1 and half-vector cosines (R, C, S), for R values of roughness, C cosines of the viewer, S visible microfacets."""
-    side = 12
-    grid = (torch.arange(side) + 0.5) / side
-    uv = torch.stack(torch.meshgrid(grid, grid, indexing="ij")).flatten(1)
-    alpha = (roughness * roughness)[:, None, None]
-    viewer = cosine[None, :, None]
-    toward, at_half = mirrored(viewer, visible_normals(viewer, alpha, uv[:, None, None]))
-    return unshadowed(viewer, alpha, toward[2]), at_half
+    tables = {"energy": energy, "mean": mean, "schlick": fit(schlick), "edge": fit(edge)}
+    return {**tables, "dielectric": torch.stack(shares), "curve": torch.stack(curves)}
 
 
 def visible_normals(cosine: Tensor, alpha: Tensor | float, uv: Tensor) -> Tensor:

@@ -22,6 +22,7 @@ from ..geometry.visibility import RayGeometry, Surface
 T = TypeVar("T")
 
 _UNIT_INPUTS = ("metallic", "roughness", "coat", "transmission")  # from 0 to 1, may vary over a surface
+_LEVELS = 7  # sizes of a texture, each half of the one before
 
 
 @dataclass(frozen=True)
@@ -63,8 +64,7 @@ class ShadingInputs:
         known = self.kept.get(name)
         if known is None or known[0] is not view:
             known = self.kept[name] = view, make()
-        terms: T = known[1]
-        return terms
+        return known[1]
 
     def uses(self, name: str, view: Tensor) -> bool:
         """True if the weight with this name is `used`; kept per view (7, N), because reading a GPU's memory takes long."""
@@ -84,8 +84,7 @@ class ShadingInputs:
         if "emission" in textured:
             given["strength"] = textured["emission"][0].clamp_min(0.0) * self.glow_factor
         if "emission_color" in textured:
-            glow = textured["emission_color"]
-            given["emission_color"] = _grayed(glow, self.glow_recolor) * self.glow_tint[:, None]
+            given["emission_color"] = _grayed(textured["emission_color"], self.glow_recolor) * self.glow_tint[:, None]
         return replace(self, **given)
 
     def colored(self, texture: Tensor | None) -> Tensor:
@@ -106,11 +105,8 @@ def shading_inputs_of(
     material: Material, settings: RenderValues, kept: dict[str, tuple[Tensor, Any]] | None = None
 ) -> ShadingInputs:
     """The shading inputs of one material; `kept` is where they keep terms computed from them."""
-    key = f"material/{material.name}/"
-    constants = material.constants
-    textured = material.texture is not None
+    key, constants, textured = f"material/{material.name}/", material.constants, material.texture is not None
     base = settings.color(key + ("tint" if textured else "base_color"), 1.0 if textured else 0.8)
-
     glow_tint = settings.color(key + "emission_color", 1.0)
     glow_factor = settings.scalar(key + "emission")
     color, strength = (material.maps.get(name) for name in ("emission_color", "emission"))
@@ -154,9 +150,6 @@ def used(weight: Tensor) -> bool:
     return needs_gradient(weight) or bool((weight != 0).any())
 
 
-_LEVELS = 7  # sizes of a texture, each half of the one before
-
-
 class MaterialTextures:
     """All textures of a scene's materials; those baked from the exported camera are downsampled to the size of the render."""
 
@@ -184,9 +177,8 @@ class MaterialTextures:
         if texture.extension == "REPEAT":
             place = place - place.detach().floor()
         padding = "zeros" if texture.extension == "CLIP" else "border"
-        image = self._images[material, name]
         grid = (place * 2 - 1).T[None, None]
-        return grid_sample(image, grid, padding_mode=padding, align_corners=False)[0, :, 0]
+        return grid_sample(self._images[material, name], grid, padding_mode=padding, align_corners=False)[0, :, 0]
 
     def _place(self, texture: Texture, surface: Surface) -> Tensor:
         """Texture coordinates (2, N) of points, [0, 1] from the lower left."""
@@ -204,13 +196,17 @@ class MaterialTextures:
             index = (surface.material == material).nonzero()[:, 0]
             if row.texture is None or not len(index):
                 continue
-            name = "far" if "far" in row.maps else "base_color"
-            if name == "far":
-                place = self._place(row.maps[name], surface.pick(index))
+            far = row.maps.get("far")
+            if far is not None:
+                place = self._place(far, surface.pick(index))
                 index = index[((place > 0) & (place < 1)).all(0)]
             elif row.texture.window is not None:
                 index = index[self._seen(row.texture.window, surface.pick(index), geometry)]
-            sampled = self._footprints(material, name, surface.pick(index))
+            part = surface.pick(index)
+            if far is not None and len(index) > 1:
+                sampled = self._footprints(self._images[material, "far"], self._place(far, part))
+            else:
+                sampled = self.at(material, "base_color" if far is None else "far", part)
             mean = self._images[material, "base_color"].mean((2, 3)).view(3, 1).clamp_min(1e-3)
             result = torch.ones_like(surface.position) if result is None else result
             result = result.index_copy(1, index, sampled / mean)
@@ -219,36 +215,23 @@ class MaterialTextures:
     def _seen(self, window: tuple[float, float, float, float], surface: Surface, geometry: RayGeometry) -> Tensor:
         """(N,) bool: points inside a window of the exported camera's image that the camera sees, not hidden by others."""
         place = self._through(window, surface.position)
-        eye = self._view.position[:, None]
-        offset = surface.position - eye
+        offset, ahead = surface.position - self._view.position[:, None], -self._view.rotation[:, 2:3]
+        depth = dot(ahead.expand_as(offset), offset)
         if self._view.orthographic:
-            back = self._view.rotation[:, 2:3]
-            offset = -back * (dot(-back.expand_as(offset), offset))
+            offset = ahead * depth
         distance = length(offset)
-        ahead = dot(-self._view.rotation[:, 2:3].expand_as(offset), offset) > 0
-        inside = ((place > 0) & (place < 1)).all(0) & ahead
-        start = surface.position - offset
-        open_ = geometry.clear(start, offset / distance, distance * (1 - 1e-3), ray="camera")
-        return inside & (open_ > 0)
+        open_ = geometry.clear(surface.position - offset, offset / distance, distance * (1 - 1e-3), ray="camera")
+        return ((place > 0) & (place < 1)).all(0) & (depth > 0) & (open_ > 0)
 
-    def _footprints(self, material: int, name: str, surface: Surface) -> Tensor:
-        """A base color (3, N), averaged over the distance to the next point in order, mostly the neighbor in the image.
-
-        In a mirror, much of a texture may fall into one pixel.
-        """
-        texture = self._scene.materials[material].maps.get(name)
-        image = self._images[material, name]
-        if texture is None or surface.position.shape[1] < 2:
-            return self.at(material, name, surface)
-        place = self._place(texture, surface)
+    def _footprints(self, image: Tensor, place: Tensor) -> Tensor:
+        """An image's colors (3, N), averaged over the way to the next place (2, N): in a mirror, much of a texture may fall into one pixel."""
         step = (place[:, 1:] - place[:, :-1]).abs().amax(0) * image.shape[-1]
         level = torch.cat((step, step[-1:])).clamp_min(1.0).log2().clamp_max(_LEVELS - 1)
         grid = (place * 2 - 1).T[None, None]
-        result = torch.zeros_like(surface.position)
+        result = torch.zeros((3, place.shape[1]), device=place.device)
         for number in range(_LEVELS):
             share = (1 - (level - number).abs()).clamp_min(0.0)
-            sampled = grid_sample(image, grid, padding_mode="border", align_corners=False)[0, :, 0]
-            result = result + sampled * share
+            result = result + grid_sample(image, grid, padding_mode="border", align_corners=False)[0, :, 0] * share
             image = interpolate(image, scale_factor=0.5, mode="area") if min(image.shape[2:]) > 1 else image
         return result
 
@@ -267,8 +250,7 @@ def _image(texture: Texture, device: torch.device, size: tuple[int, int] | None)
         return image
     left, bottom, right, top = texture.window
     wanted = max(1, round(size[1] * (top - bottom))), max(1, round(size[0] * (right - left)))
-    smaller = min(wanted[0], image.shape[2]), min(wanted[1], image.shape[3])
-    return interpolate(image, smaller, mode="area")
+    return interpolate(image, (min(wanted[0], image.shape[2]), min(wanted[1], image.shape[3])), mode="area")
 
 
 class MaterialOpacity:
@@ -299,4 +281,5 @@ def geometry_of(scene: SceneData, device: torch.device) -> RayGeometry:
     glassy = torch.tensor(
         ["transmission" in m.maps or scene.value(f"material/{m.name}/transmission")[0] > 0.0 for m in scene.materials]
     )
-    return RayGeometry(scene.mesh, hidden, MaterialOpacity(scene, device), glassy, device)
+    opacity = MaterialOpacity(scene, device)
+    return RayGeometry(scene.mesh, hidden, opacity.at, opacity.clear, glassy)

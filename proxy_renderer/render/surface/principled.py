@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Principled BSDF, layer by layer as Cycles weighs them (kernel/svm/closure.h): sheen, coat, metal, glass, dielectric.
 
-All samples of one material are shaded together, so its parameters are scalars and small vectors that
-broadcast; lobes whose weight is a constant zero are skipped.
+All samples of one material are shaded together, so its parameters are scalars and small vectors that broadcast; lobes whose
+weight is a constant zero are skipped.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def shade(inputs: ShadingInputs, light: IncidentLight, texture: Float[Tensor, "3
         result, weight = result + metal * (weight * inputs.metallic), weight * (1 - inputs.metallic)
     if inputs.seen("is no metal", light.view, lambda: used(1 - inputs.metallic)):
         if inputs.uses("transmission", light.view):
-            glass = _glass(inputs, light, clamped, lobes, reflections, single)
+            glass = _glass(inputs, light, clamped, lobes, reflections, single[0])
             result = result + glass * (weight * inputs.transmission)
             weight = weight * (1 - inputs.transmission)
         layer = inputs.seen("dielectric", light.view, lambda: _dielectric(inputs, light.view, single))
@@ -69,7 +69,7 @@ class _Layer(NamedTuple):
 
     def reflected(self, light: IncidentLight, lobes: Sequence[Tensor], reflections: Tensor) -> Tensor:
         """Reflected radiance (3, N) of lights, from their lobes (N,), and of the surroundings, from `reflections` (3, N)."""
-        direct = specular(light.lamps, light.highlights, lobes, self.curve, self.f0)
+        direct = specular(light, lobes, self.curve, self.f0)
         if self.edge is not None:
             curve = albedo.edge_curve().to(self.e.device)
             bent = [lobe * (curve @ h.curve) for lobe, h in zip(lobes, light.highlights, strict=True)]
@@ -86,10 +86,10 @@ def _metal(inputs: ShadingInputs, view: Tensor, base: Tensor, single: tuple[Tens
     fss = base + (1 - base) / 21 - b / 126
     many = multiple_scattering(fss, mean)
     curve = torch.tensor(albedo.SCHLICK_CURVE, device=e.device)
-    reflectance, edge = base + (1 - base) * albedo.weigh(albedo.schlick_share(inputs.roughness), view), None
+    reflectance, edge = base + (1 - base) * albedo.weigh(albedo.over_roughness("schlick", inputs.roughness), view), None
     if used(1 - tint):
         edge = b
-        reflectance = reflectance - b * albedo.weigh(albedo.edge_share(inputs.roughness), view)
+        reflectance = reflectance - b * albedo.weigh(albedo.over_roughness("edge", inputs.roughness), view)
     boost = 1 + many * ((1 - e) / e)
     return _Layer(e, base, curve, reflectance.clamp_min(0.0), boost, torch.ones_like(mean), edge)
 
@@ -107,7 +107,7 @@ def _dielectric(inputs: ShadingInputs, view: Tensor, single: tuple[Tensor, Tenso
     # An IOR of 1 reflects nothing; next to it the curves are too steep for their tables.
     present = (f0.detach() / _FAINT).clamp_max(1.0)
     share = albedo.weigh(albedo.dielectric_share(inputs.roughness, ior), view).clamp(0.0, 1.0) * present
-    curve = albedo.dielectric_curve(ior) * present
+    curve = albedo.over_ior("curve", ior) * present
     strongest = tinted.amax()
     boost = 1 + many.amax() * ((1 - e) / e)
     left = 1 - (strongest + (1 - strongest) * share) * (e * boost)
@@ -115,24 +115,18 @@ def _dielectric(inputs: ShadingInputs, view: Tensor, single: tuple[Tensor, Tenso
 
 
 def _glass(
-    inputs: ShadingInputs,
-    light: IncidentLight,
-    base: Tensor,
-    lobes: Sequence[Tensor],
-    reflections: Tensor,
-    single: tuple[Tensor, Tensor],
+    inputs: ShadingInputs, light: IncidentLight, base: Tensor, lobes: Sequence[Tensor], reflections: Tensor, e: Tensor
 ) -> Tensor:
     """Solid glass, approximately: Fresnel reflection, and the radiance along the ray refracted through it."""
     ior = inputs.ior.clamp_min(1.0001)
     f0 = albedo.f0_of(ior) * within(inputs.specular_tint, 0.0, 1.0)[:, None]
     share = albedo.weigh(albedo.dielectric_share(inputs.roughness, ior), light.view).clamp(0.0, 1.0)
     reflectance = f0 + (1 - f0) * share
-    curve = albedo.dielectric_curve(ior)
-    direct = specular(light.lamps, light.highlights, lobes, curve, f0)
+    direct = specular(light, lobes, albedo.over_ior("curve", ior), f0)
     behind = light.behind if light.behind is not None else reflections
     # Rough glass blurs what is behind it. One ray shows no blur: mix towards the diffuse light instead.
     behind = torch.lerp(behind, light.reflected.images[-1], inputs.roughness)
-    return reflections * reflectance + direct / single[0] + behind * base * (1 - reflectance)
+    return reflections * reflectance + direct / e + behind * base * (1 - reflectance)
 
 
 def coat(inputs: ShadingInputs, light: IncidentLight) -> tuple[Float[Tensor, "3 n"], Float[Tensor, "*tinted n"]]:
@@ -152,16 +146,11 @@ def _coat(inputs: ShadingInputs, light: IncidentLight) -> _Layer:
     boost = (1 + many * ((1 - e) / e)) * inputs.coat
     left = 1 - reflectance * e * boost
     if any(t != 1.0 for t in inputs.coat_tint):
-        left = left * (1 - inputs.coat * (1 - _coat_tint(inputs, light)))
-    return _Layer(e, f0.expand(3, 1), albedo.dielectric_curve(ior), reflectance, boost, left)
-
-
-def _coat_tint(inputs: ShadingInputs, light: IncidentLight) -> Tensor:
-    """Transmittance (3, N) of a colored coat: Beer's law along the refracted ray."""
-    tint = light.view.new_tensor(inputs.coat_tint).clamp_min(1e-4)[:, None]
-    cosine = 1 - light.view[1]
-    depth = (1 - (1 - cosine * cosine) / inputs.coat_ior**2).clamp_min(1e-4).rsqrt()
-    return tint**depth
+        # Transmittance (3, N) of a colored coat: Beer's law along the refracted ray.
+        tint, cosine = light.view.new_tensor(inputs.coat_tint).clamp_min(1e-4)[:, None], 1 - light.view[1]
+        depth = (1 - (1 - cosine * cosine) / inputs.coat_ior**2).clamp_min(1e-4).rsqrt()
+        left = left * (1 - inputs.coat * (1 - tint**depth))
+    return _Layer(e, f0.expand(3, 1), albedo.over_ior("curve", ior), reflectance, boost, left)
 
 
 _SHEEN = (
@@ -212,35 +201,28 @@ class ReflectedRadiance:
 
     def at(self, roughness: Float[Tensor, "*varying"]) -> Float[Tensor, "3 n"]:
         """Radiance (3, N) for one roughness () or many (N,), interpolated between the two nearest knots."""
-        radiance = self._varying(roughness) if roughness.dim() else self._even(roughness)
+        if roughness.dim():
+            radiance = self.images[0]
+            for low, high, image in zip(self.knots, self.knots[1:], self.images[1:], strict=False):
+                radiance = torch.lerp(radiance, image, ((roughness - low) / (high - low)).clamp(0.0, 1.0))
+        else:
+            r = float(roughness.detach())
+            i = max(k for k, knot in enumerate(self.knots[:-1]) if knot <= r or k == 0)
+            t = (roughness - self.knots[i]) / (self.knots[i + 1] - self.knots[i])
+            radiance = torch.lerp(self.images[i], self.images[i + 1], t)
         return radiance if self.glow is None else radiance + self.glow.at(roughness)
-
-    def _even(self, roughness: Tensor) -> Tensor:
-        r = float(roughness.detach())
-        i = max(k for k, knot in enumerate(self.knots[:-1]) if knot <= r or k == 0)
-        t = (roughness - self.knots[i]) / (self.knots[i + 1] - self.knots[i])
-        return torch.lerp(self.images[i], self.images[i + 1], t)
-
-    def _varying(self, roughness: Tensor) -> Tensor:
-        result = self.images[0]
-        for low, high, image in zip(self.knots, self.knots[1:], self.images[1:], strict=False):
-            result = torch.lerp(result, image, ((roughness - low) / (high - low)).clamp(0.0, 1.0))
-        return result
 
 
 def single_scattering(
     roughness: Float[Tensor, "*varying"], view: Float[Tensor, "7 n"]
 ) -> tuple[Float[Tensor, " n"], Float[Tensor, "*varying"]]:
     """Single-scattering albedo (N,) without Fresnel, and its mean ()."""
-    coefficients, mean = albedo.energy(roughness)
-    return albedo.weigh(coefficients, view).clamp(0.05, 1.0), mean.clamp(0.05, 1.0)
+    energy, mean = (albedo.over_roughness(name, roughness) for name in ("energy", "mean"))
+    return albedo.weigh(energy, view).clamp(0.05, 1.0), mean.clamp(0.05, 1.0)
 
 
 def multiple_scattering(fss: Float[Tensor, "*#n"], mean: Float[Tensor, "*#n"]) -> Float[Tensor, "*n"]:
-    """Fresnel factor of light that bounces between microfacets (Kulla and Conty 2017, appendix).
-
-    `fss` is the mean Fresnel reflectance, `mean` the mean single-scattering albedo.
-    """
+    """Fresnel factor of light between microfacets, from mean reflectance `fss` and mean albedo (Kulla and Conty 2017, appendix)."""
     return fss * mean / (1 - fss * (1 - mean))
 
 
@@ -254,13 +236,9 @@ def summed(lamps: Float[Tensor, "lamps 3"], lobes: Sequence[Float[Tensor, " n"]]
 
 
 def specular(
-    lamps: Float[Tensor, "lamps 3"],
-    highlights: Sequence[AreaSpecular],
-    lobes: Sequence[Float[Tensor, " n"]],
-    curve: Float[Tensor, " 7"],
-    f0: Float[Tensor, "3 f0"],
+    light: IncidentLight, lobes: Sequence[Float[Tensor, " n"]], curve: Float[Tensor, " 7"], f0: Float[Tensor, "3 f0"]
 ) -> Float[Tensor, "3 n"]:
     """Highlights (3, N) with Fresnel mix(f0, 1, curve at the half vector); f0 is (3, 1) or (3, N)."""
-    plain, pairs = summed(lamps, lobes), zip(lobes, highlights, strict=True)
-    bent = summed(lamps, [lobe * (curve @ h.curve).clamp_min(0.0) for lobe, h in pairs])
+    plain, pairs = summed(light.lamps, lobes), zip(lobes, light.highlights, strict=True)
+    bent = summed(light.lamps, [lobe * (curve @ h.curve).clamp_min(0.0) for lobe, h in pairs])
     return f0 * plain + (1.0 - f0) * bent

@@ -37,14 +37,7 @@ def direct_lights_of(frame: RenderState) -> list[DirectLight]:
     """Direct light of each light, dimmed by fog on its way to the samples; bounced light of lights that have moved is traced again as well."""
     state = frame.lamps, frame.view_samples, frame.view
     direct_lights = [frame.cache.direct_light(i, *state) for i in range(len(frame.lamps))]
-    if frame.fog.active:
-        return [direct_light.through(frame.fog) for direct_light in direct_lights]
-    return direct_lights
-
-
-def irradiance(frame: RenderState, direct_lights: list[DirectLight], gathered: IndirectLight) -> Tensor:
-    """Light (3, N) that arrives at each sample of a surface."""
-    return gathered.irradiance + _direct(list(zip(frame.lamps, direct_lights, strict=True)))
+    return [each.through(frame.fog) for each in direct_lights] if frame.fog.active else direct_lights
 
 
 def radiance(
@@ -62,9 +55,9 @@ def radiance(
     shining = [pair for pair in zip(frame.lamps, direct_lights, strict=True) if pair[0].shines]
     pictured = [pair for pair in shining if pair[0].pictured]
     bare = [pair for pair in shining if not pair[0].pictured]
-    around = (irradiance := irradiance + _direct(pictured)) / math.pi
-    irradiance = irradiance + _direct(bare)
-    colors = torch.stack([lamp.color for lamp, _ in bare]) if bare else frame.colors[:0]
+    around = (irradiance := irradiance + direct(pictured)) / math.pi
+    irradiance = irradiance + direct(bare)
+    colors = torch.stack([lamp.color for lamp, _ in bare]) if bare else sky.color.new_zeros((0, 3))
     *levels, behind = cache.worlds(sky, view_samples)
     tint = (sky.color * sky.reaches("glossy"))[:, None]
     knots, images = _images(gathered, [level * tint for level in levels], around)
@@ -94,7 +87,7 @@ def radiance(
     return torch.cat((shown, cache.covered)) * cache.on_film
 
 
-def _direct(lights: Sequence[tuple[LightSource, DirectLight]]) -> Tensor | float:
+def direct(lights: Sequence[tuple[LightSource, DirectLight]]) -> Tensor | float:
     """Irradiance (3, N) of some lights on all samples, 0 without any."""
     if not lights:
         return 0.0
@@ -102,13 +95,10 @@ def _direct(lights: Sequence[tuple[LightSource, DirectLight]]) -> Tensor | float
     return colors.T @ torch.stack([direct_light.irradiance for _, direct_light in lights])
 
 
-def _images(
-    gathered: IndirectLight, worlds: Sequence[Tensor], around: Tensor
-) -> tuple[tuple[float, ...], list[Tensor]]:
+def _images(gathered: IndirectLight, worlds: list[Tensor], around: Tensor) -> tuple[tuple[float, ...], list[Tensor]]:
     """Knots of roughness, and the radiance (3, N) that surfaces of each knot's roughness reflect.
 
-    From the mirror image at a roughness of 0 to the mean light `around` (3, N) at 1; `worlds` is the world's part at the knots
-    but the last.
+    From the mirror image at 0 to the mean light `around` (3, N) at 1; `worlds` is the world's part at the knots but the last.
     """
     sharp, blurred = worlds[0], worlds[-1]
     first = gathered.mirror + sharp * gathered.open_mirror
@@ -116,8 +106,7 @@ def _images(
     if len(worlds) == 2:
         return (0.0, GLOSSY, 1.0), [first, last, around]
     # Between the two, surfaces are the mean of both; the world has a level of its own.
-    opening = (gathered.open_mirror + gathered.open_glossy) / 2
-    between = (gathered.mirror + gathered.glossy) / 2 + worlds[1] * opening
+    between = (gathered.mirror + gathered.glossy) / 2 + worlds[1] * ((gathered.open_mirror + gathered.open_glossy) / 2)
     return (0.0, SATIN, GLOSSY, 1.0), [first, between, last, around]
 
 
@@ -127,22 +116,26 @@ def _reflected(knots: tuple[float, ...], images: list[Tensor]) -> ReflectedRadia
     if not glow:
         return ReflectedRadiance(knots, images)
     # The last image, at a roughness of 1, contains the glow already.
-    faded = ReflectedRadiance((0.0, *BLURS, 1.0), [*glow, torch.zeros_like(glow[0])])
-    return ReflectedRadiance(knots, images, faded)
+    return ReflectedRadiance(knots, images, ReflectedRadiance((0.0, *BLURS, 1.0), [*glow, torch.zeros_like(glow[0])]))
 
 
 def table_of(frame: RenderState) -> RadianceTable:
     """The radiance of all that secondary rays can meet."""
     rows = zip(frame.shading_inputs, frame.cache.mean_texture, strict=True)
     bounces = min(frame.cache.scene.bounces, 1)
-    albedos = torch.stack([p.base * mean * (1 - p.transmission) * bounces for p, mean in rows])
-    emission = torch.stack([p.emission for p in frame.shading_inputs])
-    sky = frame.sky
+    colors = torch.stack([p.base * mean * (1 - p.transmission) * bounces for p, mean in rows])
+    albedos, sky = within(colors, 0.0, 1.0), frame.sky
     lit = [s.color * s.reaches("diffuse") for s in frame.sources]
-    colors = torch.stack(lit) if lit else frame.colors
-    metallic = torch.stack([p.metallic for p in frame.shading_inputs])
-    albedos = within(albedos, 0.0, 1.0)
-    return RadianceTable.of(albedos, metallic, emission, colors, sky.hemispheres, sky.coefficients())
+    lamps = torch.stack(lit) if lit else sky.color.new_zeros((0, 3))
+    sources = torch.cat((lamps / math.pi, sky.hemispheres))[:, None]
+    again = albedos * albedos / (1 - albedos / 2)  # third and later bounces follow the second
+    # A metal mirrors surfaces of other colors: at the second bounce, the mean color of non-metals.
+    metallic = torch.stack([p.metallic for p in frame.shading_inputs])[:, None]
+    plain = (1 - metallic) + 1e-6
+    common = (albedos * plain).sum(0) / plain.sum(0)
+    again = torch.lerp(again, albedos * common / (1 - common / 2), metallic)
+    emission = torch.stack([p.emission for p in frame.shading_inputs])
+    return RadianceTable(torch.cat((sources * albedos, sources * again)), emission, sky.coefficients(), albedos)
 
 
 def _behind(frame: RenderState, table: RadianceTable, gathered: IndirectLight, material: int, part: slice) -> Tensor:
@@ -151,9 +144,9 @@ def _behind(frame: RenderState, table: RadianceTable, gathered: IndirectLight, m
     here = float(ior.detach())
 
     def picture_at(side: int) -> Tensor:
-        behind = frame.cache.behind(material, side, part, max(here + side * _BENT, 1.0), frame.sources)
-        world = frame.sky.seen(behind.toward) * (frame.sky.color * frame.sky.reaches("transmission"))[:, None]
-        return behind.hits.image(table, behind.ambient(gathered.gather_points).T) + world * behind.hits.open
+        hits, ambient = frame.cache.behind(material, side, part, max(here + side * _BENT, 1.0), frame.sources)
+        world = frame.sky.seen(hits.toward) * (frame.sky.color * frame.sky.reaches("transmission"))[:, None]
+        return hits.image(table, ambient(gathered.gather_points).T) + world * hits.open
 
     straight = picture_at(0)
     if not needs_gradient(ior):
@@ -176,13 +169,6 @@ class RenderState:
     sky: Sky  # the world
     shading_inputs: list[ShadingInputs]  # of every material
     fog: FogMedium  # the medium
-
-    @functools.cached_property
-    def colors(self) -> Tensor:
-        """(L, 3) colors of the lights."""
-        if not self.lamps:
-            return self.sky.color.new_zeros((0, 3))
-        return torch.stack([lamp.color for lamp in self.lamps])
 
     @functools.cached_property
     def sources(self) -> list[LightSource]:

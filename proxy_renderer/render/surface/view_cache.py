@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Everything that stays the same while the camera stands still: samples, surfaces, and the direct light of each light."""
+"""Everything that stays the same while the camera stands still: samples, surfaces, direct light, and depth of field."""
+
+from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
@@ -12,7 +14,7 @@ import torch
 from torch import Tensor
 
 from ...color.tensors import luminance
-from ...scene import SceneData
+from ...scene import Camera, SceneData
 from ...scene.values import Recent, needs_gradient
 from ..geometry.camera import View
 from ..geometry.gather_points import SparseWeights
@@ -24,16 +26,16 @@ from ..lights.environment import GLOSSY, SATIN, Sky
 from ..lights.light_source import LightSource
 from ..lights.shadows import LightClusters
 from ..material.inputs import MaterialTextures
-from ..transport.indirect import FinalGather
-from ..transport.indirect_fog import IndirectFogRays
+from ..transport.indirect import FinalGather, IndirectFogRays
 from ..transport.secondary_hits import SecondaryHits, through
-from .defocus import Defocus
-from .direct_lights import DirectLight, DirectLights, ViewSamples
-from .edges import Silhouettes
+from .direct_lights import DirectLight, DirectLights, Silhouettes, ViewSamples
 
 _SMALL_STEP = 0.02  # relative change of a light's placement up to which loops keep the traced bounced light
 _LEAST_ALIKE = 0.1  # cosine between a mapped and the true normal below which the map does not count
 _GEOMETRIC = ("alpha", "normal", "far")
+_FIRST_RADIUS, _RADIUS_GROWTH = 0.75, 1.5  # pixels of the first blurred layer's radius, and the next ones' ratio
+_MOST_RADIUS = 0.12  # largest radius, in parts of the image's longer side
+_LEAST_RADIUS = 0.2  # radius in pixels below which a whole image counts as sharp
 
 
 @dataclass(frozen=True)
@@ -48,27 +50,16 @@ class GBuffer:
     pattern: Tensor  # (H, W) luminance of textured base colors relative to their material's mean; else 1
     # names of materials of the surroundings; the subject may have them too, but words for it do not paint them
     surrounding: tuple[str, ...] = ()
-    # (H, W, 3) display image with gray surfaces in place of all that is seen: its colors are those of the light;
-    # black for the world; None if not rendered
+    # (H, W, 3) display image with gray surfaces in place of all that is seen: its colors are those of the light; black for the
+    # world; None if not rendered
     gray: Tensor | None = None
-
-
-@dataclass(frozen=True)
-class RefractedHits:
-    """Hits of N rays through a transparent material."""
-
-    hits: SecondaryHits  # where the rays end
-    toward: Tensor  # (3, N) their final directions
-    ambient: SparseWeights  # interpolates irradiance from the gather points to the hits
 
 
 class ViewCache:
     """Samples, shadows and bounced light that are traced once per camera position.
 
-    Args:
-        metals: (M,) weight of mirror reflection of each material, 0 for what is no metal.
-        smooth: (M,) bool: materials of which every pixel gets several samples.
-        lamps: The lights, the suns of the world and glowing surfaces included.
+    `metals` (M,) are weights of mirror reflection, 0 for what is no metal. Pixels of `smooth` materials (M,) bool get several
+    samples. `lamps` include the suns of the world and glowing surfaces.
     """
 
     def __init__(
@@ -95,10 +86,9 @@ class ViewCache:
             surface = self._view_samples.surface
             self.clusters = LightClusters.of(lamps, moving, surface)
             self._direct = DirectLights(geometry, samples, self._view_samples, self.clusters)
-            self._view = view.detached()
-            generator = torch.Generator().manual_seed(seed)
-            shape = metals, len(self.clusters), emitters, self._maps, generator
-            self.indirect = FinalGather(geometry, samples, surface, self._view, *shape)
+            self.view = view.detached()
+            shape = metals, len(self.clusters), emitters, self._maps, torch.Generator().manual_seed(seed)
+            self.indirect = FinalGather(geometry, samples, surface, self.view, *shape)
             # (3,) average of every material's linked base color; 1 where none is linked
             plain = np.ones(3, np.float32)
             means = (m.texture.image.mean((0, 1)) if m.texture else plain for m in scene.materials)
@@ -118,7 +108,7 @@ class ViewCache:
         self._varying: dict[int, dict[str, Tensor]] = {}
         self._bounced: dict[int, LightSource] = {}
         self._indirect_fog: IndirectFogRays | None = None
-        self._through: dict[tuple[int, int], tuple[float, Any, RefractedHits]] = {}
+        self._through: dict[tuple[int, int], tuple[float, Any, SecondaryHits, SparseWeights]] = {}
         self._worlds = Recent()
 
     def aside(self) -> Self:
@@ -130,9 +120,8 @@ class ViewCache:
 
     def with_mirrors(self, metals: Tensor) -> Self:
         """A copy with other mirror weights (M,), in which only what mirrors show is traced again."""
-        other = copy(self)
+        other = self.aside()
         other.metals, other._through = metals, {}
-        other._direct, other._bounced = self._direct.aside(), dict(self._bounced)
         with torch.no_grad():
             other.indirect = self.indirect.with_mirrors(metals, self._bounced)
         return other
@@ -167,90 +156,86 @@ class ViewCache:
         if material in self._varying and not view_samples.moving:
             return self._varying[material]
         names = ["base_color", *(n for n in self.scene.materials[material].maps if n not in _GEOMETRIC)]
-        names = [name for name in names if self._maps.has(material, name)]
         surface = view_samples.surface.pick(part)
-        found = {name: self._maps.at(material, name, surface) for name in names}
+        found = {name: self._maps.at(material, name, surface) for name in names if self._maps.has(material, name)}
         if not view_samples.moving:
             self._varying[material] = found
         return found
 
-    def pattern(self) -> Tensor:
-        """(H, W) luminance of textured base colors relative to their mean over the samples; 1 where there is no texture."""
-        relative = torch.ones_like(self.inside)
+    @torch.no_grad()
+    def gbuffer(self, transmittance: Tensor, gray: Tensor) -> GBuffer:
+        """The G-buffer of the view, with the fog's `transmittance` (H, W) and the `gray` image (H, W, 3)."""
+        hits = self.samples.center_hits
+        _, toward = self.view.rays(pixel_centers(self.view.size).to(self.geometry.device))
+        surface = self.geometry.surface(hits, toward)
+        normal = torch.where(hits.hit, self.view.rotation.T @ surface.normal, 0.0)
+        pattern = torch.ones_like(self.inside)
         for material, start, stop in self.samples.slices:
             color = self.textured_inputs(material, slice(start, stop), self._view_samples).get("base_color")
             if color is not None:
                 light = luminance(color.detach().T)[:, 0]
-                relative[0, start:stop] = light / light.mean().clamp_min(1e-3)
-        return self.samples.resolve(relative).view(self.depth.shape)
-
-    @torch.no_grad()
-    def gbuffer(self, view: View, transmittance: Tensor, gray: Tensor) -> GBuffer:
-        """The G-buffer of a view, with the fog's `transmittance` (H, W) and the `gray` image (H, W, 3)."""
-        hits, still = self.samples.center_hits, view.detached()
-        _, toward = still.rays(pixel_centers(view.size).to(self.geometry.device))
-        surface = self.geometry.surface(hits, toward)
-        normal = torch.where(hits.hit, still.rotation.T @ surface.normal, 0.0)
+                pattern[0, start:stop] = light / light.mean().clamp_min(1e-3)
         return GBuffer(
             subject=self.mask,
             material=torch.where(hits.hit, surface.material, -1).view(self.depth.shape),
             materials=tuple(m.name for m in self.scene.materials),
             normal=normal.T.reshape(*self.depth.shape, 3),
             transmittance=transmittance,
-            pattern=self.pattern(),
+            pattern=self.samples.resolve(pattern).view(self.depth.shape),
             gray=gray,
             surrounding=tuple(m.name for m in self.scene.materials if m.role != "subject"),
         )
 
-    def direct_light(
-        self, index: int, lamps: Sequence[LightSource], view_samples: ViewSamples, view: View
-    ) -> DirectLight:
+    def direct_light(self, index: int, lamps: list[LightSource], view_samples: ViewSamples, view: View) -> DirectLight:
         """Direct light of one of the lights; shadows are traced again if the light, or another of its cluster, has moved."""
         row, moved = self.clusters.row[index], self._direct.forget_moved(index, lamps)
         first = index == self.clusters.clusters[row].members[0]
         if first and (moved or row not in self._bounced):
-            self._bounce(row, lamps[index])
+            # Bounced light is traced again after a jump of a light, but not after each small step of a gradient loop.
+            lamp, last = lamps[index], self._bounced.get(row)
+            place, small = torch.tensor(lamp.signature()), False
+            if lamp.moving and last is not None:
+                step = (place - torch.tensor(last.signature())).abs().amax()
+                small = bool(step < place.abs().amax() * _SMALL_STEP)
+            if not small:
+                self._bounced[row] = lamp.detached()
+                # If only its size has changed, the rays to its center are the same.
+                same_rays = last is not None and lamp.position.equal(last.position) and lamp.axes.equal(last.axes)
+                with torch.no_grad():
+                    self.indirect.light(row, self._bounced[row], same_rays)
         return self._direct.of(index, lamps, view_samples, view)
 
-    def _bounce(self, index: int, lamp: LightSource) -> None:
-        """Traces bounced light again after a jump of a light, but not after each small step of a gradient loop."""
-        place, last = torch.tensor(lamp.signature()), self._bounced.get(index)
-        if lamp.moving and last is not None:
-            step = (place - torch.tensor(last.signature())).abs().amax()
-            if bool(step < place.abs().amax() * _SMALL_STEP):
-                return
-        self._bounced[index] = lamp.detached()
-        with torch.no_grad():
-            self.indirect.light(index, self._bounced[index], lamp.has_rays_of(last))
-
-    def behind(self, material: int, side: int, part: slice, ior: float, lamps: Sequence[LightSource]) -> RefractedHits:
+    def behind(
+        self, material: int, side: int, part: slice, ior: float, lamps: Sequence[LightSource]
+    ) -> tuple[SecondaryHits, SparseWeights]:
         """Hits of rays through a material's samples `part`, refracted by an IOR; kept by material and side.
 
-        `side` is 0 for the material's own IOR, -1 and 1 for those next to it. `lamps` has one light for each cluster.
+        Also the interpolation of irradiance from the gather points to them. `side` is 0 for the material's own IOR, -1 and 1 for
+        those next to it. `lamps` has one light for each cluster.
         """
         place = tuple(lamp.signature() for lamp in lamps)
         kept = self._through.get((material, side))
         if kept is None or abs(kept[0] - ior) > 1e-3:
             with torch.no_grad():
-                toward = self.samples.toward[:, part]
-                shape = ior, self.metals, len(self.clusters), self._maps
-                hits, onward = through(self.geometry, self._view_samples.surface.pick(part), toward, *shape)
-            kept = ior, None, RefractedHits(hits, onward, self.indirect.spread_to(hits))
+                surface, toward = self._view_samples.surface.pick(part), self.samples.toward[:, part]
+                rays = self.geometry, *through(self.geometry, surface, toward, ior), 1
+                hits = SecondaryHits(*rays, self.metals, len(self.clusters), "transmission", self._maps)
+            kept = ior, None, hits, self.indirect.spread_to(hits)
         if kept[1] != place:
-            behind = replace(kept[2], hits=kept[2].hits.aside())
+            hits = kept[2].aside()
             with torch.no_grad():
                 for i, lamp in enumerate(lamps):
                     if kept[1] is None or kept[1][i] != place[i]:
-                        behind.hits.light(i, lamp.detached())
-            kept = kept[0], place, behind
+                        hits.light(i, lamp.detached())
+            kept = kept[0], place, hits, kept[3]
         self._through[material, side] = kept
-        return kept[2]
+        return kept[2:]
 
     def indirect_fog(self, near: float) -> IndirectFogRays:
         """The rays along which fog acts between surfaces; `near` is a typical distance of what is seen, meters."""
         if self._indirect_fog is None:
             with torch.no_grad():
-                points = self._view_samples.surface, self._view, self.indirect.gather_points
+                points = self._view_samples.surface, self.view, self.indirect.gather_points
                 self._indirect_fog = IndirectFogRays(self.geometry, self.samples, *points, near)
         return self._indirect_fog
 
@@ -261,18 +246,87 @@ class ViewCache:
             return Silhouettes.of(self.samples, self._view_samples.surface)
 
     def worlds(self, sky: Sky, view_samples: ViewSamples) -> tuple[Tensor, ...]:
-        """Uncolored radiance of the world: in the mirror directions, sharp to blurred, (3, N) each; last, behind all, (3, B).
+        """Uncolored radiance of the world: in the mirror directions, sharp to blurred, (3, N) each; last, behind all, (3, B)."""
 
-        The mirror directions have two levels for a plain color, three for an image.
-        """
-        if needs_gradient(sky.turn) or (view_samples.moving and sky.pictured):
-            return _worlds(sky, view_samples)
+        def looked_up(samples: ViewSamples) -> tuple[Tensor, ...]:
+            rough = (GLOSSY,) if sky.plain else (SATIN, GLOSSY)
+            lobes = [sky.reflected(samples.mirrored, samples.surface.normal, samples.basis, r) for r in rough]
+            return sky.mirror(samples.mirrored), *lobes, sky.backdrop(samples.beyond)
+
+        varied = not sky.plain or sky.environment.backdrop is not None
+        if needs_gradient(sky.turn) or (view_samples.moving and varied):
+            return looked_up(view_samples)
         with torch.no_grad():
-            return self._worlds.of("", sky.signature(), lambda: _worlds(sky, self._view_samples))
+            return self._worlds.of("", sky.signature(), lambda: looked_up(self._view_samples))
 
 
-def _worlds(sky: Sky, view_samples: ViewSamples) -> tuple[Tensor, ...]:
-    mirrored, normal = view_samples.mirrored, view_samples.surface.normal
-    rough = (GLOSSY,) if sky.plain else (SATIN, GLOSSY)
-    lobes = [sky.reflected(mirrored, normal, view_samples.basis, r) for r in rough]
-    return sky.mirror(mirrored), *lobes, sky.backdrop(view_samples.beyond)
+@dataclass(frozen=True)
+class Defocus:
+    """Depth of field of one view; a constant for gradients, which pass through the colors.
+
+    The image is cut into layers of about the same blur, each is blurred by a disc, and they are laid over each other from far to
+    near. Parts of layers that a near object hides are filled from what they show around it.
+    """
+
+    size: tuple[int, int]  # width and height of the image in pixels
+    # from far to near: a layer's opacity (H, W), and the Fourier spectrum of the disc that blurs it; None if it is sharp
+    layers: list[tuple[Tensor, Tensor | None]]
+    padded: tuple[int, int]  # height and width that convolutions are done at
+
+    @staticmethod
+    def of(camera: Camera, view: View, distance: Tensor) -> Defocus | None:
+        """The blur of a view with distances (H, W) along the pixels' rays, infinite for the background; None where all is sharp."""
+        if camera.aperture <= 0:
+            return None
+        # Signed radius (H, W) of a thin lens's circles of confusion, as in Cycles: pixels, below 0 behind the plane in focus.
+        toward = view.rays(pixel_centers(view.size).to(distance.device))[1]
+        ahead = -view.rotation[:, 2:3]
+        depth = (distance.flatten() * dot(ahead, toward)).view(distance.shape)
+        focus = camera.focus_distance
+        if camera.focus_point is not None:
+            offset = torch.tensor(camera.focus_point, device=distance.device) - view.position
+            focus = float(dot(ahead, offset[:, None]).abs())
+        focus = max(focus, 1e-4)
+        blur = 1 - depth / focus if view.orthographic else 1 / depth.clamp_min(1e-6) - 1 / focus
+        pixel = float(view.scale) * view.extent[0] / view.size[0]
+        most = _MOST_RADIUS * max(view.size)
+        radius = (blur * (camera.aperture / pixel)).clamp(-most, most)
+        if float(radius.abs().max()) < _LEAST_RADIUS:
+            return None
+        knots = [0.0]  # signed radii of the layers, from far to near
+        while knots[0] > float(radius.min()):
+            knots.insert(0, knots[0] * _RADIUS_GROWTH or -_FIRST_RADIUS)
+        while knots[-1] < float(radius.max()):
+            knots.append(knots[-1] * _RADIUS_GROWTH or _FIRST_RADIUS)
+        pad = int(max(abs(k) for k in knots)) + 1
+        padded = distance.shape[0] + pad, distance.shape[1] + pad
+        layers = []
+        for number, knot in enumerate(knots):
+            # 1 from its radius half way to its neighbors' radii, 0 at those; at every pixel, one layer is opaque.
+            share = torch.ones_like(radius)
+            for neighbor in (*knots[number - 1 : number], *knots[number + 1 : number + 2]):
+                share = torch.minimum(share, (radius - neighbor) / (knot - neighbor))
+            disc = _disc(abs(knot), padded).to(radius.device) if knot else None
+            layers.append(((2 * share).clamp(0.0, 1.0), disc))
+        return Defocus(view.size, layers, padded)
+
+    def __call__(self, picture: Tensor) -> Tensor:
+        """The blurred image (C, P) of a linear one (C, P); differentiable."""
+        width, height = self.size
+        sharp = picture.view(-1, height, width)
+        total = torch.zeros((len(sharp) + 1, height, width), device=picture.device)
+        for opacity, disc in self.layers:
+            layer = torch.cat((sharp * opacity, opacity[None]))
+            if disc is not None:
+                spectrum = torch.fft.rfft2(layer, s=self.padded) * disc
+                layer = torch.fft.irfft2(spectrum, s=self.padded)[:, :height, :width]
+            total = total * (1 - layer[-1:].clamp(0.0, 1.0)) + layer
+        return (total[:-1] / total[-1:].clamp_min(1e-3)).clamp_min(0.0).view(picture.shape)
+
+
+def _disc(radius: float, size: tuple[int, int]) -> Tensor:
+    """Fourier spectrum of a disc with a radius in pixels, whose weights sum to 1, centered on the first pixel."""
+    y, x = (torch.minimum(torch.arange(n), n - torch.arange(n)).float() for n in size)
+    away = (y[:, None].square() + x.square()).sqrt()
+    weight = (radius + 0.5 - away).clamp(0.0, 1.0)
+    return torch.fft.rfft2(weight / weight.sum())

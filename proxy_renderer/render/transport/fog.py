@@ -3,14 +3,12 @@
 
 Extinction σ(x) = density · exp(−falloff · max(0, z − base − offset)), gray, inside an axis-aligned box or everywhere.
 
-The rays of a coarse image are cut into segments. In each, a light's irradiance is averaged analytically, so that its
-glow needs no dense samples, and the scattered share is exact: the transmittance lost in the segment. The running sums
-are kept on a grid over image and depth (froxels), which samples look up by their own depth: fog in front of a near
-subject does not mix with fog in front of the background. Cycles, too, scatters once with its default of no volume
-bounces. Vectors are planar, (3, …), as in all shading code.
+The rays of a coarse image are cut into segments. In each, a light's irradiance is averaged analytically, so that its glow needs
+no dense samples, and the scattered share is exact: the transmittance lost in the segment. The running sums are kept on a grid
+over image and depth (froxels), which samples look up by their own depth: fog in front of a near subject does not mix with fog in
+front of the background. Cycles, too, scatters once with its default of no volume bounces.
 """
 
-import functools
 import math
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
@@ -38,26 +36,19 @@ _WORLD_COARSE = 4  # rays of the coarse image per ray of the world's light, alon
 
 
 class FogMedium:
-    """The scene's fog with one set of values.
-
-    Attributes:
-        density: () extinction in 1/m, below the height where the fog thins.
-        albedo: (3,) share of the extinguished light that is scattered.
-        anisotropy: () Henyey-Greenstein g.
-        extent: Length in meters that crosses all of the fog.
-    """
+    """The scene's fog with one set of values."""
 
     def __init__(self, scene: SceneData, settings: RenderValues) -> None:
         spec = scene.volume
-        self.density = settings.scalar("volume/density")
-        self.albedo = settings.color("volume/color", 0.8)
-        self.anisotropy = settings.scalar("volume/anisotropy")
+        self.density = settings.scalar("volume/density")  # () 1/m, below the height where the fog thins
+        self.albedo = settings.color("volume/color", 0.8)  # (3,) share of the extinguished light that is scattered
+        self.anisotropy = settings.scalar("volume/anisotropy")  # () Henyey-Greenstein g
         self._falloff = settings.scalar("volume/falloff")
         self._top = spec.base + settings.scalar("volume/offset")
         self._thins = self._falloff.requires_grad or bool(self._falloff > 0)
         center, half = (torch.tensor(v, device=settings.device) for v in (spec.center, spec.half_size))
         self._box = None if spec.kind == "world" else (center - half, center + half)
-        self.extent = float(2 * half.norm()) * (1 if self._box else _EVERYWHERE)
+        self.extent = float(2 * half.norm()) * (1 if self._box else _EVERYWHERE)  # meters; crosses all of the fog
 
     @property
     def active(self) -> bool:
@@ -95,8 +86,13 @@ class FogMedium:
         length = last - first
         if not self._thins:
             return length
+        # The mean of exp(−falloff · max(0, h)) for heights h from a to b.
         height = start[2] - self._top
-        return length * self._mean_dilution(height + toward[2] * first, height + toward[2] * last)
+        a, b = height + toward[2] * first, height + toward[2] * last
+        rise = b - a
+        level = rise.abs() <= 1e-3 * (a.abs() + b.abs())
+        slope = (self._below(b) - self._below(a)) / torch.where(level, 1.0, rise)
+        return length * torch.where(level, torch.exp(-self._falloff * ((a + b) / 2).clamp_min(0)), slope)
 
     def _inside(self, start: Tensor, toward: Tensor, distance: Tensor | float) -> tuple[Tensor, Tensor]:
         """The part of the way that is in the fog: distances (…) of its ends, first ≤ last."""
@@ -107,19 +103,11 @@ class FogMedium:
         near, far = torch.zeros_like(limit), limit
         for axis in range(3):
             slope = torch.where(toward[axis].abs() < 1e-9, 1e-9, toward[axis])
-            one = (self._box[0][axis] - start[axis]) / slope
-            two = (self._box[1][axis] - start[axis]) / slope
+            one, two = ((side[axis] - start[axis]) / slope for side in self._box)
             near = torch.maximum(near, torch.minimum(one, two))
             far = torch.minimum(far, torch.maximum(one, two))
         far = far.clamp_min(0)
         return torch.minimum(near, far), far
-
-    def _mean_dilution(self, a: Tensor, b: Tensor) -> Tensor:
-        """Mean of exp(−falloff · max(0, h)) for heights h from `a` to `b`."""
-        rise = b - a
-        level = rise.abs() <= 1e-3 * (a.abs() + b.abs())
-        slope = (self._below(b) - self._below(a)) / torch.where(level, 1.0, rise)
-        return torch.where(level, torch.exp(-self._falloff * ((a + b) / 2).clamp_min(0)), slope)
 
     def _below(self, height: Tensor) -> Tensor:
         """∫ exp(−falloff · max(0, h)) dh up to `height`, from the height where the fog starts to thin."""
@@ -161,9 +149,6 @@ def _lebedev() -> Tensor:
 DIRECTIONS = _lebedev()  # (3, 14) unit vectors for the world's light; exact to the fifth degree
 WEIGHTS = torch.tensor([1 / 15] * 6 + [3 / 40] * 8)
 
-VisibilityTest = Callable[..., Tensor]
-"""(origins (3, N), unit directions (3, N), distances (N,), material) to (N,): 1 where nothing else is in the way (`RayGeometry.clear`)."""
-
 
 @dataclass(frozen=True)
 class FroxelGrid:
@@ -192,19 +177,14 @@ class FroxelGrid:
 
 
 class SingleScattering:
-    """Single scattering in the fog of one scene; its shadows are kept until something moves."""
+    """Single scattering in the fog of one scene; its shadows, by `RayGeometry.clear`, are kept until something moves."""
 
-    def __init__(self, clear: VisibilityTest) -> None:
+    def __init__(self, clear: Callable[..., Tensor]) -> None:
         self._clear = clear
         self._shadows, self._strengths = Recent(), Recent()
 
-    def scatter(
-        self, fog: FogMedium, view: View, near: float, lamps: Sequence[LightSource], world: Tensor
-    ) -> FroxelGrid:
-        """The fog in front of a camera; up to a typical distance `near` in meters the segments are finest.
-
-        `world` is its blurred radiance (3, 14) from `DIRECTIONS`, or (3, 1) if it is even.
-        """
+    def scatter(self, fog: FogMedium, view: View, near: float, lamps: list[LightSource], world: Tensor) -> FroxelGrid:
+        """The fog in front of a camera, finest up to a typical distance `near`, meters; `world` is its radiance (3, 14) or (3, 1) from `DIRECTIONS`."""
         eye = view.position.detach()
         away = [length(lamp.position.detach() - eye, 0.0) for lamp in lamps if not lamp.at_infinity]
         end = fog.reach(eye)
@@ -215,7 +195,9 @@ class SingleScattering:
         rays = RaySegments.of(view, COARSE, cuts)
         depth = fog.density * fog.thickness(rays.start[:, None], rays.toward[:, None], cuts)
         passing = torch.exp(-depth)  # (SEGMENTS + 1, rows, columns)
-        light = self._world_light(fog, RaySegments.of(view, COARSE * _WORLD_COARSE, cuts), world)
+        wide = RaySegments.of(view, COARSE * _WORLD_COARSE, cuts)
+        arriving = self._of(fog, wide, "", "world", lambda: self._world_arriving(fog, wide))
+        light = torch.einsum("cd,dsxy->csxy", world.expand(3, len(WEIGHTS)), arriving)
         light = functional.interpolate(light, size=passing.shape[1:], mode="bilinear")
         for lamp in (lamp for lamp in lamps if lamp.shines):
             light = light + self.lamp_light(fog, rays, lamp, lamp.segment_parts)
@@ -225,9 +207,20 @@ class SingleScattering:
 
     def lamp_light(self, fog: FogMedium, rays: RaySegments, lamp: LightSource, parts: int) -> Tensor:
         """In-scattered light (3, S, rows, columns) of one light, for an albedo of 1; each of S segments has some `parts`."""
-        make = functools.partial(self._strength, fog, rays, lamp, parts)
+
+        def per_color() -> Tensor:  # (S, rows, columns)
+            direct = lamp.in_scattering(rays, parts)
+            ways = direct.points, direct.toward, direct.distance
+            strength = direct.irradiance
+            if lamp.light.shadow:
+                signature = rays.signature, lamp.signature()
+                strength = strength * self._shadow(lamp.light.name, signature, ways, lamp.shadowless)
+            strength = strength * fog.transmittance(*ways)
+            strength = strength * phase((direct.toward * rays.toward[:, None]).sum(0), fog.anisotropy)
+            return strength.unflatten(0, (len(rays.cuts) - 1, -1)).mean(1)
+
         key = None if lamp.moving else (lamp.signature(), parts)
-        return self._of(fog, rays, lamp.light.name, key, make) * lamp.color.view(3, 1, 1, 1)
+        return self._of(fog, rays, lamp.light.name, key, per_color) * lamp.color.view(3, 1, 1, 1)
 
     def _of(self, fog: FogMedium, rays: RaySegments, name: str, key: Hashable, make: Callable[[], Tensor]) -> Tensor:
         """A value that depends on fog, rays and a key; made again when they change, or are learned (a key of None)."""
@@ -236,34 +229,15 @@ class SingleScattering:
         cut = tuple(rays.cuts.flatten()[1:2].tolist())  # () where no ray starts: the camera sees no surface
         return self._strengths.of(name, (fog.signature, rays.signature, cut, key), make)
 
-    def _strength(self, fog: FogMedium, rays: RaySegments, lamp: LightSource, parts: int) -> Tensor:
-        """`lamp_light` (S, rows, columns) per unit of the light's color."""
-        direct = lamp.in_scattering(rays, parts)
-        strength = direct.irradiance
-        if lamp.light.shadow:
-            signature = rays.signature, lamp.signature()
-            ways = direct.points, direct.toward, direct.distance
-            strength = strength * self._shadow(lamp.light.name, signature, ways, lamp.shadowless)
-        strength = strength * fog.transmittance(direct.points, direct.toward, direct.distance)
-        strength = strength * phase((direct.toward * rays.toward[:, None]).sum(0), fog.anisotropy)
-        return strength.unflatten(0, (len(rays.cuts) - 1, -1)).mean(1)
-
-    def _world_light(self, fog: FogMedium, rays: RaySegments, world: Tensor) -> Tensor:
-        key = "world", *rays.start.shape
-        arriving = self._of(fog, rays, "", key, lambda: self._world_arriving(fog, rays))
-        return torch.einsum("cd,dsxy->csxy", world.expand(3, len(WEIGHTS)), arriving)
-
     def _world_arriving(self, fog: FogMedium, rays: RaySegments) -> Tensor:
         """Shares (14, S, rows, columns) of the world's radiance from `DIRECTIONS` that are scattered."""
         points = rays.middles[:, None]
         directions = DIRECTIONS.to(points).view(3, -1, 1, 1, 1)  # (3, 14, SEGMENTS, rows, columns)
         everywhere = directions.expand(-1, -1, *points.shape[2:])
         far = torch.full_like(everywhere[0], math.inf)
-        reaching = fog.transmittance(points, directions, far)
         ways = points.expand_as(everywhere), everywhere, far
-        reaching = reaching * self._shadow("", rays.signature, ways)
-        cosine = (directions[:, :, 0] * rays.toward[:, None]).sum(0)
-        return reaching * phase_shares(cosine, fog.anisotropy)[:, None]
+        reaching = fog.transmittance(points, directions, far) * self._shadow("", rays.signature, ways)
+        return reaching * phase_shares((directions[:, :, 0] * rays.toward[:, None]).sum(0), fog.anisotropy)[:, None]
 
     def _shadow(self, name: str, signature: Hashable, ways: Sequence[Tensor], shadowless: int = -1) -> Tensor:
         """Visibility (0 to 1) along points, directions and distances, shaped like these; traced again when the signature changes."""
@@ -278,9 +252,6 @@ def phase(cosine: Tensor, g: Tensor) -> Tensor:
 
 
 def phase_shares(cosine: Tensor, g: Tensor) -> Tensor:
-    """Share (14, ...) of the scattered light that comes from each of `DIRECTIONS`, by cosines (14, ...).
-
-    The shares sum to 1: 14 directions miss much of a narrow lobe, whose energy would be lost.
-    """
+    """Share (14, ...) of the scattered light that comes from each of `DIRECTIONS`, by cosines (14, ...)."""
     lobe = phase(cosine, g) * WEIGHTS.to(cosine).view(-1, *[1] * (cosine.dim() - 1))
-    return lobe / lobe.sum(0)
+    return lobe / lobe.sum(0)  # 14 directions miss much of a narrow lobe, whose energy would be lost

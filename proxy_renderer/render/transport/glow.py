@@ -10,12 +10,12 @@ with a blurred one: hence the several values of roughness.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
 import torch
-from torch import Tensor
+from torch import Generator, Tensor
 
 from ..geometry.vectors import above, cosine_directions, cross, dot, reflect, tangents, unit
 from ..geometry.visibility import Hits, RayGeometry, Surface, shared_points
@@ -28,57 +28,38 @@ _LAMP_RAYS = 16
 _LEAST_COSINE = 0.02
 
 
-@dataclass(frozen=True)
-class GlowShares:
-    """Shares that glowing materials fill of what A points see."""
-
-    # (A, M) of their hemisphere, weighted by the cosine, that each material's glow fills; 0 for materials
-    # that lights stand for
-    wide: Tensor
-    blurred: tuple[Tensor, ...]  # for each roughness in `BLURS`, (A, M) of the blurred reflection
-
-
 def glow_of(
     geometry: RayGeometry,
     lobes: LobeRays,
     near: Tensor,
     wide: Tensor,
-    glowing: Sequence[int],
-    emissive: Sequence[int],
-    materials: int,
-    generator: torch.Generator,
-) -> GlowShares:
-    """Finds the shares that glowing materials fill at the points of `lobes`.
+    clusters: Mapping[int, Sequence[object]],
+    generator: Generator,
+) -> list[Tensor]:
+    """Shares (A, M) that the materials' glow fills of what the points of `lobes` see.
 
-    Of the `glowing` materials, lights stand for the `emissive` ones in diffuse light. Points with the same number in `near` (A,)
-    share random numbers of reflections, in `wide` (A,) those of the hemisphere: see `GatherPoints.turns`.
+    The first is that of their hemisphere, weighted by the cosine, the others of the reflection blurred by each of `BLURS`.
+    `clusters` are those of `Emitters`: in diffuse light, they stand for the materials that have some. Points with the same number
+    in `near` (A,) share random numbers of reflections, in `wide` (A,) those of the hemisphere: see `GatherPoints.turns`.
     """
-    points = lobes.points
-    diffuse = _Search(geometry, points, wide, sorted(set(glowing) - set(emissive)), "diffuse", generator)
-    glossy = _Search(geometry, points, near, sorted(glowing), "glossy", generator)
-    hemisphere = diffuse.shares(materials, lobes.hemisphere, lobes.hemisphere_density)
-    blurred = []
+    points, unlit = lobes.points, sorted(material for material, some in clusters.items() if not some)
+    diffuse = _Search(geometry, points, wide, unlit, "diffuse", generator)
+    glossy = _Search(geometry, points, near, sorted(clusters), "glossy", generator)
+    found = [diffuse.shares(lobes.hemisphere, lobes.hemisphere_density)]
     for roughness in BLURS:
         alpha = roughness * roughness
         lobe = partial(lobes.reflections, alpha=alpha), partial(lobes.reflections_density, alpha=alpha)
-        blurred.append(glossy.shares(materials, *lobe))
-    return GlowShares(hemisphere, tuple(blurred))
+        found.append(glossy.shares(*lobe))
+    return found
 
 
 class _Search:
     """Search for glowing surfaces from points, by one kind of rays; target points are chosen once, equally many for each material."""
 
     def __init__(
-        self,
-        geometry: RayGeometry,
-        points: Surface,
-        turn: Tensor,
-        glowing: Sequence[int],
-        ray: str,
-        generator: torch.Generator,
+        self, geometry: RayGeometry, points: Surface, turn: Tensor, glowing: list[int], ray: str, generator: Generator
     ) -> None:
-        self._geometry, self._points, self._ray, self._generator = geometry, points, ray, generator
-        self._turn = turn
+        self._geometry, self._points, self._ray, self._generator, self._turn = geometry, points, ray, generator, turn
         self._origin = geometry.lifted(points)
         self._targets: Hits | None = None
         # (F,) chosen points per square meter on each triangle; 0 where these rays see no glow.
@@ -112,38 +93,23 @@ class _Search:
         distance = dot(offset, offset).clamp_min(1e-12).sqrt()
         self._toward = offset / distance
         self._targets = Hits(triangle, weights[1], weights[2], distance)
-        risen = dot(self._toward, self._points.facet.repeat_interleave(_LAMP_RAYS, 1)) > 0
-        index = risen.nonzero()[:, 0]
+        index = (dot(self._toward, self._points.facet.repeat_interleave(_LAMP_RAYS, 1)) > 0).nonzero()[:, 0]
         self._seen = torch.zeros_like(distance)
         way = start[:, index], self._toward[:, index], distance[index] * (1 - 1e-4)
         self._seen[index] = self._geometry.clear(*way, ray=self._ray)
-        surface = self._geometry.surface(self._targets, self._toward)
-        self._seen *= self._geometry.stopping(surface, self._toward)
+        self._seen *= self._geometry.stopping(self._geometry.surface(self._targets, self._toward), self._toward)
 
-    def shares(
-        self, materials: int, directions: Callable[[Tensor], Tensor], density: Callable[[Tensor], Tensor]
-    ) -> Tensor:
-        """Shares (A, M) of a lobe that the materials' glow fills.
-
-        `directions` maps (2, A, R) in [0, 1) to rays (3, A * R) of the lobe; `density` is the probability density (A * R) of
-        rays.
-        """
-        points = self._origin.shape[1]
+    def shares(self, directions: Callable[[Tensor], Tensor], density: Callable[[Tensor], Tensor]) -> Tensor:
+        """Shares (A, M) of a lobe that glow fills, by its rays (3, A * R) from (2, A, R) in [0, 1), and their density (A * R)."""
         if self._targets is None:
-            return torch.zeros((points, materials), device=self._origin.device)
-        uv = shared_points(_LOBE_RAYS, self._turn, self._generator)
-        toward = directions(uv)
+            return torch.zeros((self._origin.shape[1], len(self._geometry.glass)), device=self._origin.device)
+        toward = directions(shared_points(_LOBE_RAYS, self._turn, self._generator))
         hits = self._geometry.first_hits(self._origin.repeat_interleave(_LOBE_RAYS, 1), toward, self._ray)
-        ones = torch.ones_like(hits.distance)
-        found = self._weighed(materials, hits, toward, density(toward), ones, True)
-        aimed = density(self._toward)
-        return found + self._weighed(materials, self._targets, self._toward, aimed, self._seen, False)
+        found = self._weighed(hits, toward, density(toward), torch.ones_like(hits.distance), True)
+        return found + self._weighed(self._targets, self._toward, density(self._toward), self._seen, False)
 
-    def _weighed(self, materials: int, hits: Hits, toward: Tensor, lobe: Tensor, seen: Tensor, by_lobe: bool) -> Tensor:
-        """Sums (A, M) of rays, weighted by the power heuristic; the rays are drawn `by_lobe`, or else by target points.
-
-        `lobe` is the lobe's density along each ray, `seen` the share of light that arrives.
-        """
+    def _weighed(self, hits: Hits, toward: Tensor, lobe: Tensor, seen: Tensor, by_lobe: bool) -> Tensor:
+        """Sums (A, M) of rays drawn `by_lobe` or else by target points, by the power heuristic; of densities, and shares of light that arrive."""
         index = (hits.hit & (seen > 0) & (self._density[hits.triangle.clamp_min(0)] > 0)).nonzero()[:, 0]
         triangle, distance = hits.triangle[index], hits.distance[index]
         a, b, c = (self._geometry.corners[k, triangle].T for k in range(3))
@@ -153,10 +119,9 @@ class _Search:
         chosen = by_chance if by_lobe else aimed
         share = lobe[index] * chosen / (by_chance**2 + aimed**2).clamp_min(1e-20) * seen[index]
         rays = _LOBE_RAYS if by_lobe else _LAMP_RAYS
-        points = len(seen) // rays
+        points, materials = len(seen) // rays, len(self._geometry.glass)
         place = index // rays * materials + self._geometry.material[triangle]
-        sums = torch.zeros(points * materials, device=share.device).index_add(0, place, share)
-        return sums.view(points, materials)
+        return torch.zeros(points * materials, device=share.device).index_add(0, place, share).view(points, materials)
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,7 @@
 """Secondary rays: traced once per view, straight or refracted through glass, their hits shaded anew in every render.
 
 The radiance of a hit is albedo x irradiance / pi + emission. One more ray from the hit adds a second bounce, with the same
-albedo. That is linear in albedo x light, so that all rays of a point become one fixed row of weights over a small table of
-radiances.
+albedo. That is linear in albedo x light: all rays of a point become one fixed row of weights over a small table of radiances.
 """
 
 from __future__ import annotations
@@ -11,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import torch
 from jaxtyping import Float
@@ -23,46 +22,21 @@ from ..lights.environment import harmonics
 from ..lights.light_source import DirectIrradiance, LightSource
 from ..material.inputs import MaterialTextures
 
+_WORLD_AT_SECOND = 0.3  # most of the world that second hits get; less in rooms, which rays rarely leave
+_MOST_WALLS = 8  # surfaces of glass that a ray is followed through; Cycles' default is twelve
+
 
 @dataclass(frozen=True)
 class RadianceTable:
     """Radiance of all that secondary rays can meet, in one render.
 
-    There are S = 2 (L + 2) sources: the L lights and the upper and lower hemisphere of the world, then the same again for light
-    that is scattered twice and more.
+    There are S = 2 (L + 2) sources: the L lights and both hemispheres of the world, then the same again for light scattered twice.
     """
 
     scattered: Tensor  # (S, M, 3) radiance that each material scatters of each source
     emission: Tensor  # (M, 3)
     sky: Tensor  # (9, 3) spherical harmonics of the world
-    albedo: Tensor  # (M, 3) share of light that each material scatters
-
-    @staticmethod
-    def of(
-        albedo: Tensor, metallic: Tensor, emission: Tensor, lamps: Tensor, hemispheres: Tensor, sky: Tensor
-    ) -> RadianceTable:
-        """Builds the table.
-
-        Args:
-            albedo: (M, 3) share of light that each material scatters, or reflects if it is a metal.
-            metallic: (M,) share of each material that is metal.
-            emission: (M, 3) emitted radiance.
-            lamps: (L, 3) colors of the lights.
-            hemispheres: (2, 3) light of the world on what faces up and down.
-            sky: (9, 3) its spherical harmonics.
-        """
-        sources = torch.cat((lamps / math.pi, hemispheres))
-        again = albedo * albedo / (1 - albedo / 2)  # third and later bounces follow the second
-        # A metal mirrors surfaces of other colors: at the second bounce, the mean color of non-metals.
-        plain = (1 - metallic)[:, None] + 1e-6
-        common = (albedo * plain).sum(0) / plain.sum(0)
-        again = torch.lerp(again, albedo * common / (1 - common / 2), metallic[:, None])
-        scattered = torch.cat((sources[:, None] * albedo, sources[:, None] * again))
-        return RadianceTable(scattered, emission, sky, albedo)
-
-    def dimmed(self, shares: Tensor) -> RadianceTable:
-        """The table with its sources dimmed by fog, which lets shares (S,) of them through."""
-        return replace(self, scattered=self.scattered * shares[:, None, None])
+    albedo: Tensor  # (M, 3) share of light that each material scatters, or reflects if it is a metal
 
 
 class _HitRadiance(torch.autograd.Function):
@@ -104,28 +78,12 @@ class _HitRadiance(torch.autograd.Function):
         return scattered, emission, albedos, ambients, None, None, None
 
 
-_WORLD_AT_SECOND = 0.3  # most of the world that second hits get; less in rooms, which rays rarely leave
-
-
-_Bounce = tuple[int, Tensor, Surface, Tensor]
-"""A row of `SecondaryHits.incoming`, indices of its rays, the surfaces that send them light, and the share of it that counts."""
-_MOST_WALLS = 8  # surfaces of glass that a ray is followed through; Cycles' default is twelve
-
-
 class SecondaryHits:
     """R rays, of a kind in `RAYS`, from each of A points, and the surfaces that they hit.
 
-    Args:
-        origin, toward: (3, A) where the rays start, and their unit directions (3, A * R).
-        count: R.
-        metals: (M,) weight of mirror reflection of each material, 0 for what is no metal.
-        lamps: Number of lights, or of clusters of lights.
-        maps: Textures of the hits; None for each material's mean color.
-        deep: Whether hits get the world's light and a second bounce.
-
-    Attributes:
-        open: (A,) share of rays that leave the scene.
-        mirror_weight: (A * R,) weight of mirror reflection of the hits.
+    They start at `origin` (3, A), `count` = R each, in unit directions `toward` (3, A * R). `metals` (M,) are weights of mirror
+    reflection of the materials, `lamps` is the number of lights or clusters, `maps` has textures of the hits, None for each
+    material's mean color. If `deep`, hits get the world's light and a second bounce.
     """
 
     def __init__(
@@ -143,17 +101,17 @@ class SecondaryHits:
         self.geometry, self.count = geometry, count
         hits = geometry.first_hits(origin.repeat_interleave(count, 1), toward, ray)
         self.hit = hits.hit.to(torch.float32)
-        self.surface: Surface = geometry.surface(hits, toward)
+        self.surface = geometry.surface(hits, toward)
         self.distance = hits.distance
         self._relative_base_color = maps.relative_base_color(self.surface, geometry) if maps else None
-        self.open = 1 - self.hit.view(-1, count).mean(1)
+        self.open = 1 - self.hit.view(-1, count).mean(1)  # (A,) share of rays that leave the scene
         self.materials, self.lamps = len(metals), lamps
         self.owner = self.surface.material * hits.hit + self.materials * ~hits.hit
         self._members: list[Tensor] = []
         # Rows: every light and both hemispheres of the world at the hits, then the same at second hits.
         self.incoming = torch.zeros((2 * (lamps + 2), len(self.hit)), device=self.hit.device)
         self._clear = torch.zeros_like(self.incoming)
-        self._toward, self._deep = toward, deep
+        self.toward, self._deep = toward, deep
         self._seconds: list[tuple[Tensor, Surface]] = []
         self._beyond = torch.zeros((3, len(self.hit)), device=self.hit.device)
         self._weigh(metals)
@@ -162,7 +120,7 @@ class SecondaryHits:
 
     def _weigh(self, metals: Tensor) -> None:
         """Sets the mirror weights of materials (M,), and what follows from them."""
-        self.mirror_weight = metals[self.surface.material] * self.hit
+        self.mirror_weight = metals[self.surface.material] * self.hit  # (A * R,) of the hits
         self._matte = (self.hit > self.mirror_weight).nonzero()[:, 0]  # mirrors do not scatter light
         self._first = self.surface.pick(self._matte)
         # If not deep, second rays have the mirrored share; ambient light (see `image`) has the rest.
@@ -180,11 +138,7 @@ class SecondaryHits:
             other._seconds.append((rays[same], surface.pick(same)))
         other._look_around(changed)
         for index, lamp in lamps.items():
-            bounces = []
-            for row, rays, surface, share in other._bounces(index):
-                some = changed[rays].nonzero()[:, 0]
-                bounces.append((row, rays[some], surface.pick(some), share[some]))
-            other._trace(lamp, bounces)
+            other.light(index, lamp, among=changed)
         return other
 
     def _look_around(self, among: Tensor) -> None:
@@ -192,31 +146,27 @@ class SecondaryHits:
         around = self.hit.bool() if self._deep else self.mirror_weight > 0
         chosen = (among & around).nonzero()[:, 0]
         if len(chosen):
-            self._look_from(chosen)
+            # One ray from each: mirrored at metals, cosine-distributed elsewhere.
+            generator = torch.Generator().manual_seed(7)
+            uv = torch.rand((2, len(self.hit)), generator=generator).to(self.hit.device)[:, chosen]
+            start, mirror_weight = self.surface.pick(chosen), self.mirror_weight[chosen]
+            mirrored = reflect(self.toward[:, chosen], start.normal)
+            toward = torch.lerp(cosine_directions(start.normal, uv), mirrored, mirror_weight)
+            toward = above(unit(toward), start.facet)
+            hits = self.geometry.first_hits(self.geometry.lifted(start), toward, "diffuse", chosen)
+            hit_share = hits.hit.to(torch.float32)
+            beyond, leaves = self.geometry.surface(hits, toward), 1 - hit_share
+            facing = torch.where(mirror_weight > 0, torch.where(toward[2] > 0, 1.0, -1.0), start.normal[2])
+            upper, share = (1 + facing) / 2, leaves * self._share[chosen]
+            self.incoming[self.lamps, chosen] = upper * share
+            self.incoming[self.lamps + 1, chosen] = (1 - upper) * share
+            upper = (1 + beyond.normal[2]) / 2
+            self._beyond[:, chosen] = torch.stack((upper * hit_share, (1 - upper) * hit_share, leaves))
+            again = hits.hit.nonzero()[:, 0]
+            self._seconds.append((chosen[again], beyond.pick(again)))
         if bool(around.any()):
             up, down, leaves = self._beyond
             self.incoming[-2:] = torch.stack((up, down)) * leaves[around].mean().clamp_max(_WORLD_AT_SECOND)
-
-    def _look_from(self, chosen: Tensor) -> None:
-        """Traces one ray from each hit with an index in `chosen` (H,): mirrored at metals, cosine-distributed elsewhere."""
-        generator = torch.Generator().manual_seed(7)
-        uv = torch.rand((2, len(self.hit)), generator=generator).to(self.hit.device)[:, chosen]
-        start, mirror_weight = self.surface.pick(chosen), self.mirror_weight[chosen]
-        mirrored = reflect(self._toward[:, chosen], start.normal)
-        toward = torch.lerp(cosine_directions(start.normal, uv), mirrored, mirror_weight)
-        toward = above(unit(toward), start.facet)
-        hits = self.geometry.first_hits(self.geometry.lifted(start), toward, "diffuse", chosen)
-        hit_share = hits.hit.to(torch.float32)
-        beyond = self.geometry.surface(hits, toward)
-        facing = torch.where(mirror_weight > 0, torch.where(toward[2] > 0, 1.0, -1.0), start.normal[2])
-        leaves = 1 - hit_share
-        upper, share = (1 + facing) / 2, leaves * self._share[chosen]
-        self.incoming[self.lamps, chosen] = upper * share
-        self.incoming[self.lamps + 1, chosen] = (1 - upper) * share
-        upper = (1 + beyond.normal[2]) / 2
-        self._beyond[:, chosen] = torch.stack((upper * hit_share, (1 - upper) * hit_share, leaves))
-        again = hits.hit.nonzero()[:, 0]
-        self._seconds.append((chosen[again], beyond.pick(again)))
 
     def aside(self) -> SecondaryHits:
         """A copy in which lights may move while this one stays as it is."""
@@ -224,19 +174,19 @@ class SecondaryHits:
         other.incoming, other._clear = self.incoming.clone(), self._clear.clone()
         return other
 
-    def light(self, index: int, lamp: LightSource, same_rays: bool = False) -> None:
-        """Updates the light of one row at all hits; shadow rays are not traced if they are the `same_rays`, as when only its size has changed."""
-        self._trace(lamp, self._bounces(index), same_rays)
-
-    def _trace(self, lamp: LightSource, bounces: list[_Bounce], same_rays: bool = False) -> None:
-        for row, rays, surface, share in bounces:
+    def light(self, index: int, lamp: LightSource, same_rays: bool = False, among: Tensor | None = None) -> None:
+        """Updates the light of one row at all hits, or `among` (A * R,) bool; shadow rays are kept if they are the `same_rays`."""
+        for row, rays, surface, share in self._bounces(index):
+            if among is not None:
+                some = among[rays].nonzero()[:, 0]
+                rays, surface, share = rays[some], surface.pick(some), share[some]
             direct = lamp.irradiance(surface.position, surface.normal)
             if not same_rays:
-                self._clear[row, rays] = _clear(self.geometry, lamp, direct, surface) * share
+                self._clear[row, rays] = clear_to(self.geometry, lamp, direct, surface) * share
             self.incoming[row, rays] = direct.irradiance * self._clear[row, rays]
 
-    def _bounces(self, index: int) -> list[_Bounce]:
-        """First and second bounces of the light with an index."""
+    def _bounces(self, index: int) -> list[tuple[int, Tensor, Surface, Tensor]]:
+        """First and second bounces of a light: row of `incoming`, indices of rays, the surfaces that send them light, share of it that counts."""
         first = index, self._matte, self._first, 1 - self.mirror_weight[self._matte]
         second = self.lamps + 2 + index
         return [first, *((second, rays, surface, self._share[rays]) for rays, surface in self._seconds)]
@@ -260,12 +210,7 @@ class SecondaryHits:
             self._members = [(self.owner == m).nonzero()[:, 0] for m in range(self.materials)]
         given = table.scattered, table.emission, table.albedo / math.pi, ambient * (1 - self.mirror_weight)
         hits = self.incoming, self._members, self._relative_base_color
-        radiance: Tensor = _HitRadiance.apply(*given, *hits)
-        return radiance
-
-    def emitted(self, emission: Tensor) -> Tensor:
-        """Radiance (3, A) that the hits of single rays (R = 1) emit, from that of all materials (M, 3)."""
-        return torch.cat((emission, emission.new_zeros((1, 3)))).T.index_select(1, self.owner)
+        return _HitRadiance.apply(*given, *hits)
 
     def weights(self, sources: Sequence[int] | None = None) -> Tensor:
         """Shares (A points, S + 1, M materials) with which the points' rays see light, averaged over each point's rays.
@@ -280,23 +225,13 @@ class SecondaryHits:
         return torch.bmm(slots, one_hot) / self.count
 
 
-def shadowed_irradiance(geometry: RayGeometry, lamp: LightSource, surface: Surface) -> Tensor:
-    """Irradiance (N,) of a light on a surface, shadowed by one ray to its middle."""
-    direct = lamp.irradiance(surface.position, surface.normal)
-    return direct.irradiance * _clear(geometry, lamp, direct, surface)
-
-
-def _clear(geometry: RayGeometry, lamp: LightSource, direct: DirectIrradiance, surface: Surface) -> Tensor:
-    """(N,) 1.0 where a ray from a surface to the light's middle passes, else 0.0.
-
-    Where the light does not light the object, 0.0; elsewhere 1.0 if the light casts no shadows.
-    """
+def clear_to(geometry: RayGeometry, lamp: LightSource, direct: DirectIrradiance, surface: Surface) -> Tensor:
+    """(N,) 1.0 where a ray from a surface to the light's middle passes, or the light casts no shadows; 0.0 where it lights no such objects."""
     linked = lamp.lights(surface.object)
     if not lamp.light.shadow:
         return linked.to(torch.float32)
     facing = (dot(surface.facet, direct.toward) > 0) & linked
-    ways = geometry.lifted(surface), direct.toward, direct.distance * 0.999
-    return geometry.clear(*ways, lamp.shadowless) * facing
+    return geometry.clear(geometry.lifted(surface), direct.toward, direct.distance * 0.999, lamp.shadowless) * facing
 
 
 def refract(
@@ -313,19 +248,11 @@ def refract(
     return torch.where(total, reflect(toward, normal), bent), total
 
 
-def through(
-    geometry: RayGeometry,
-    surface: Surface,
-    toward: Tensor,
-    ior: float,
-    metals: Tensor,
-    lamps: int,
-    maps: MaterialTextures,
-) -> tuple[SecondaryHits, Tensor]:
-    """Hits behind a glass of rays (3, N) that enter its surface, followed through at most `_MOST_WALLS` walls; and their last directions (3, N)."""
+def through(geometry: RayGeometry, surface: Surface, toward: Tensor, ior: float) -> tuple[Tensor, Tensor]:
+    """Origins and directions (3, N) behind a glass of rays (3, N) that enter its surface, through at most `_MOST_WALLS` walls."""
     direction, _ = refract(toward, surface.normal, 1.0 / ior)
     direction = -above(-direction, surface.facet)
-    origin = _across(geometry, surface)
+    origin = 2 * surface.position - geometry.lifted(surface)  # just behind the surface
     index = torch.arange(toward.shape[1], device=toward.device)
     for _ in range(_MOST_WALLS):
         way, start = direction[:, index], origin[:, index]
@@ -334,19 +261,17 @@ def through(
         met = hits.hit & (wall.material == surface.material[index])
         if not bool(met.any()):
             break
-        leaving = geometry.from_behind(hits, way)
+        # Rays leave where they meet triangles on the side that the shading normals look away from.
+        normals = geometry.normals[:, hits.triangle.clamp_min(0)]
+        leaving = dot(sum((normal.T for normal in normals), torch.zeros_like(way)), way) > 0
         bent, total = refract(way, wall.normal, ior)
         entered, _ = refract(way, wall.normal, 1.0 / ior)
         bent = torch.where(leaving, bent, entered)
         total = total & leaving
         bent = torch.where(total, above(bent, wall.facet), -above(-bent, wall.facet))
-        goes_on = torch.where(total, geometry.lifted(wall), _across(geometry, wall))
-        index, bent, goes_on = index[met], bent[:, met], goes_on[:, met]
-        direction = direction.index_copy(1, index, bent)
-        origin = origin.index_copy(1, index, goes_on)
-    return SecondaryHits(geometry, origin, direction, 1, metals, lamps, "transmission", maps), direction
-
-
-def _across(geometry: RayGeometry, surface: Surface) -> Tensor:
-    """Origins (3, N) just behind a surface."""
-    return 2 * surface.position - geometry.lifted(surface)
+        before = geometry.lifted(wall)
+        goes_on = torch.where(total, before, 2 * wall.position - before)
+        index = index[met]
+        direction = direction.index_copy(1, index, bent[:, met])
+        origin = origin.index_copy(1, index, goes_on[:, met])
+    return origin, direction
