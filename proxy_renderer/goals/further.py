@@ -54,11 +54,15 @@ def further(
         if why := _why_not(attribute, goals):
             notes.append(f"'{attribute.word}' is not used: {why}.")
             continue
-        if attribute.lights:
-            fixture = replace(attribute, lights=_fixture(attribute, scene))
-            mine = [replace(wish, attribute=fixture) for wish in mine]
-            compared = [fixture if each is attribute else each for each in compared]
-            attribute = fixture
+        if fixture := _fixture(attribute, scene):
+            lit = _as_light(attribute, fixture, vocabulary)
+            mine = (
+                wishes_of([lit], vocabulary)
+                if lit.entry != attribute.entry
+                else [replace(w, attribute=lit) for w in mine]
+            )
+            compared = [lit if each is attribute else each for each in compared]
+            attribute = lit
         if attribute in compared:
             own_factor = factor if first in (None, attribute) else 0.0
             noun = next((a for a in goals.parsed.attributes if _is_noun_of(a, attribute)), None)
@@ -98,15 +102,31 @@ def _why_not(attribute: Attribute, goals: Goals) -> str:
 
 
 def _fixture(attribute: Attribute, scene: SceneDescription) -> tuple[str, ...]:
-    """The lights that a word singles out, with lights and glows of the same name: a lamp is often a light in a bulb that glows."""
+    """The lights that a word is about: all lights and glows of that name, as a lamp is often a light in a bulb that glows."""
     noun = {*attribute.thing.lower().split()}
 
     def is_called_so(name: str) -> bool:
         return bool(noun) and noun <= {singular(word) for word in re.split(r"[\W_\d]+", name.lower())}
 
-    glows = (name for name in scene.glows if any(map(is_called_so, scene.looks[name].worn)))
-    every = (*filter(is_called_so, scene.lights), *(GLOW + name for name in glows))
-    return tuple(dict.fromkeys((*attribute.lights, *every)))
+    lights = [name for name in scene.lights if is_called_so(name)]
+    if not (attribute.lights or lights):
+        return ()
+    glows = [
+        GLOW + name for name in scene.glows if name in scene.looks and any(map(is_called_so, scene.looks[name].worn))
+    ]
+    return tuple(dict.fromkeys((*attribute.lights, *lights, *glows)))
+
+
+def _as_light(attribute: Attribute, lights: tuple[str, ...], vocabulary: Vocabulary) -> Attribute:
+    """A word about these lights: "brighter" of a lamp is about its light, not the paint of its base."""
+    if attribute.lights or attribute.slot not in ("color", "lighting"):
+        return replace(attribute, lights=lights) if attribute.lights else attribute
+    word = attribute.word.split()[-1]
+    rows = (vocabulary.adjectives.get(each, {}) for each in (word, *vocabulary.stems(word, "comparative")))
+    entry = next((row.get("lamp") or row["light"] for row in rows if {"lamp", "light"} & row.keys()), "")
+    if not entry:
+        return attribute
+    return replace(attribute, entry=entry, slot="lighting", kind="light", region="whole", owners=(), lights=lights)
 
 
 def _is_noun_of(attribute: Attribute, compared: Attribute) -> bool:
