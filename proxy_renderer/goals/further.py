@@ -43,42 +43,32 @@ def further(
         factor: 2 in "twice as much fog"; 0 if the sentence has none.
         text: The sentence from the word that the factor is of.
     """
-    said, wishes = list[Attribute](), list[Wish]()
     every = (*goals.wishes, *(each.wish for each in goals.lost))
-    compared = [a for a in goals.parsed.attributes if not a.cause and compares(a, (), vocabulary)]
+    originals = goals.parsed.attributes
+    attributes = [_as_light(each, _fixture(each, scene), vocabulary) for each in originals]
+    compared = [a for a in attributes if not a.cause and compares(a, (), vocabulary)]
     # of "half as red, more contrast" the red
     first = next((a for a in compared if text.startswith(a.word)), None)
-    notes = list(goals.parsed.notes)
-    for attribute in goals.parsed.attributes:
-        mine = [wish for wish in every if wish.attribute is attribute]
+    said, wishes, notes = list[Attribute](), list[Wish](), list(goals.parsed.notes)
+    for original, attribute in zip(originals, attributes, strict=True):
         if why := _why_not(attribute, goals):
             notes.append(f"'{attribute.word}' is not used: {why}.")
             continue
-        if fixture := _fixture(attribute, scene):
-            lit = _as_light(attribute, fixture, vocabulary)
-            mine = (
-                wishes_of([lit], vocabulary)
-                if lit.entry != attribute.entry
-                else [replace(w, attribute=lit) for w in mine]
-            )
-            compared = [lit if each is attribute else each for each in compared]
-            attribute = lit
+        mine = [replace(wish, attribute=attribute) for wish in every if wish.attribute is original]
         if attribute in compared:
             own_factor = factor if first in (None, attribute) else 0.0
-            noun = next((a for a in goals.parsed.attributes if _is_noun_of(a, attribute)), None)
+            noun = next((a for a in attributes if _is_noun_of(a, attribute)), None)
             if attribute.color:
                 mine = [*_recolored(attribute, vocabulary, scene, own_factor)]
             else:
                 mine = [*_compared(attribute, vocabulary, own_factor, noun)]
-            attribute = mine[0].attribute if mine else attribute
         elif any(_is_noun_of(attribute, each) or _names_light_of(attribute, each) for each in compared):
             attribute, mine = replace(attribute, entry=""), []
         elif _changes_own_light(attribute):  # of the lights that are there, without a rig
-            mine = [replace(wish, attribute=replace(wish.attribute, entry="")) for wish in mine]
-            attribute = mine[0].attribute if mine else attribute
+            mine = [replace(wish, attribute=replace(attribute, entry="")) for wish in mine]
         elif attribute.role in ("rim", "fill"):  # a further light has to change the present image visibly
             mine = [replace(wish, claims=tuple(map(_beside, wish.claims))) for wish in mine]
-        said.append(attribute)
+        said.append(mine[0].attribute if mine else attribute)
         wishes += mine
     return replace(resolved(replace(goals.parsed, attributes=said, notes=notes), wishes), holds=True)
 
@@ -109,7 +99,7 @@ def _fixture(attribute: Attribute, scene: SceneDescription) -> tuple[str, ...]:
         return bool(noun) and noun <= {singular(word) for word in re.split(r"[\W_\d]+", name.lower())}
 
     lights = [name for name in scene.lights if is_called_so(name)]
-    if not (attribute.lights or lights):
+    if attribute.role or attribute.kind == "sky" or not (attribute.lights or lights):
         return ()
     glows = [
         GLOW + name for name in scene.glows if name in scene.looks and any(map(is_called_so, scene.looks[name].worn))
@@ -119,8 +109,10 @@ def _fixture(attribute: Attribute, scene: SceneDescription) -> tuple[str, ...]:
 
 def _as_light(attribute: Attribute, lights: tuple[str, ...], vocabulary: Vocabulary) -> Attribute:
     """A word about these lights: "brighter" of a lamp is about its light, not the paint of its base."""
-    if attribute.lights or attribute.slot not in ("color", "lighting"):
-        return replace(attribute, lights=lights) if attribute.lights else attribute
+    if lights and attribute.lights:
+        return replace(attribute, lights=lights)
+    if not lights or attribute.slot not in ("color", "lighting"):
+        return attribute
     word = attribute.word.split()[-1]
     rows = (vocabulary.adjectives.get(each, {}) for each in (word, *vocabulary.stems(word, "comparative")))
     entry = next((row.get("lamp") or row["light"] for row in rows if {"lamp", "light"} & row.keys()), "")
