@@ -38,11 +38,9 @@ def jpeg_of(picture: Tensor | Image.Image) -> bytes:
         picture = Image.fromarray(data)
     longest = max(picture.size)
     factor = min(max(longest, _SMALLEST), _LARGEST) / longest
-    size = tuple(max(round(n * factor), 1) for n in picture.size)
-    if size != picture.size:
-        picture = picture.resize((size[0], size[1]), Image.Resampling.LANCZOS)
+    width, height = (max(round(n * factor), 1) for n in picture.size)
     file = io.BytesIO()
-    picture.convert("RGB").save(file, "JPEG", quality=90)
+    picture.resize((width, height), Image.Resampling.LANCZOS).convert("RGB").save(file, "JPEG", quality=90)
     return file.getvalue()
 
 
@@ -118,11 +116,6 @@ class Dialect:
             return True
         return False
 
-    @staticmethod
-    def about(complaint: str) -> bool:
-        """True if a server error's words refuse a part of the request."""
-        return bool(complaint) and any(p.search(complaint) for p in (_TEMPERATURE, _LIMIT, _FORMAT, _PICTURE))
-
 
 _MOST = 500  # most answers that are kept; the least recently used are deleted
 
@@ -180,6 +173,15 @@ class Usage:
     seconds: float = 0.0  # time spent waiting
     cost: float | None = None  # US dollars; None if neither the server nor VIBE_VLM_PRICE gives a price
 
+    def add(self, answer: Completion, prices: tuple[float, float] | None) -> None:
+        """Counts an answer; `prices` as in `Endpoint`."""
+        self.read, self.written = self.read + answer.read, self.written + answer.written
+        cost = answer.cost
+        if cost is None and prices:
+            cost = (answer.read * prices[0] + answer.written * prices[1]) / 1e6
+        if cost is not None:
+            self.cost = (self.cost or 0.0) + cost
+
     def account(self) -> dict[str, Any]:
         """For report.json."""
         return {
@@ -202,7 +204,7 @@ class Client:
         self.usage = Usage()
         self.dialect = Dialect()
 
-    def ask(self, question: Question, check: Callable[[Any], object] | None = None, fresh: bool = False) -> Any:
+    def ask(self, question: Question, check: Callable[[Any], object] = bool, fresh: bool = False) -> Any:
         """The answer: an object if there is a schema, else text. If `check` raises ModelError, the model is asked once more."""
         point = self.endpoint
         asked = (question.system, question.text, question.schema, question.picture or b"")
@@ -215,7 +217,7 @@ class Client:
             raise ModelError(f"The model {point.model} does not see pictures.", remedy)
         start = time.monotonic()
         try:
-            answer = self._converse(question, check or (lambda answer: None), start + point.seconds)
+            answer = self._converse(question, check, start + point.seconds)
         finally:
             self._transport.close()
             self.usage.seconds += time.monotonic() - start
@@ -224,7 +226,7 @@ class Client:
 
     def _converse(self, question: Question, check: Callable[[Any], object], end: float) -> Any:
         """Asks, and once more if the answer cannot be read or `check` refuses it; `end` is a monotonic time."""
-        earlier: list[dict[str, Any]] = []
+        earlier: list[dict[str, Any]] = []  # unreadable answer and complaint about it
         while True:
             answer = self._speak(question, earlier, end)
             text = scrub(answer.text, self.endpoint.key)
@@ -232,9 +234,8 @@ class Client:
                 if answer.cut:
                     remedy = "Use a model with more context, or one that thinks less."
                     raise ModelError("The model's answer was cut off.", remedy)
-                reading: Any = text
-                if question.schema is not None:
-                    reading = scrub(find_object(text, question.schema["properties"]), self.endpoint.key)
+                schema = question.schema
+                reading = scrub(find_object(text, schema["properties"]), self.endpoint.key) if schema else text
                 check(reading)
                 return reading
             except ModelError:
@@ -249,21 +250,13 @@ class Client:
             try:
                 self.usage.calls += 1
                 answer = self._transport.post(body, max(end - time.monotonic(), 0.1))
-                self._count(answer)
+                self.usage.add(answer, self.endpoint.prices)
                 return answer
             except ModelError as error:
-                broken = error.broken and not self.dialect.about(error.complaint)
-                final = error.lasting or not error.complaint or broken
-                if final or not self.dialect.give_up(error.complaint, question):
+                words = error.complaint
+                # A server that fails with words about a part of the request refuses that part.
+                broken = error.broken and not any(p.search(words) for p in (_TEMPERATURE, _LIMIT, _FORMAT, _PICTURE))
+                if error.lasting or not words or broken or not self.dialect.give_up(words, question):
                     raise
         remedy = "Use another model."
         raise ModelError(f"{self.endpoint.place} refuses everything that it is asked.", remedy, lasting=True)
-
-    def _count(self, answer: Completion) -> None:
-        use, prices = self.usage, self.endpoint.prices
-        use.read, use.written = use.read + answer.read, use.written + answer.written
-        cost = answer.cost
-        if cost is None and prices:
-            cost = (answer.read * prices[0] + answer.written * prices[1]) / 1e6
-        if cost is not None:
-            use.cost = (use.cost or 0.0) + cost

@@ -46,14 +46,12 @@ class Endpoint:
 def find_endpoint(options: Options, key: str = "", environment: Mapping[str, str] | None = None) -> Endpoint | None:
     """The model to ask, or None: no model is asked unless one is named.
 
-    Options override the environment: VIBE_VLM_MODEL, VIBE_VLM_URL (else OPENAI_BASE_URL, else
-    OpenAI's), VIBE_VLM_KEY, VIBE_VLM_TIMEOUT (seconds) and VIBE_VLM_PRICE ("2.5/10", US dollars per
-    million tokens read/written). OPENAI_API_KEY is sent only to OPENAI_BASE_URL, or to OpenAI if
-    that is not set. A `vlm_model` of "off" means none, whatever the environment says. `key` is that of
-    the add-on's preferences, "" for the environment's.
+    Options override the environment: VIBE_VLM_MODEL, VIBE_VLM_URL (else OPENAI_BASE_URL, else OpenAI's), VIBE_VLM_KEY, VIBE_VLM_TIMEOUT
+    (seconds) and VIBE_VLM_PRICE ("2.5/10", US dollars per million tokens read/written). OPENAI_API_KEY is sent only to
+    OPENAI_BASE_URL, or to OpenAI if that is not set. A `vlm_model` of "off" means none, whatever the environment says. `key` is that
+    of the add-on's preferences, "" for the environment's.
 
-    Raises VibeError for an invalid URL, key, time limit or price, a missing key, or another computer while Blender's
-    online access is off.
+    Raises VibeError for an invalid URL, key, time limit or price, a missing key, or another computer while Blender is offline.
     """
     env = os.environ if environment is None else environment
     model = (options.vlm_model or env.get("VIBE_VLM_MODEL", "")).strip()

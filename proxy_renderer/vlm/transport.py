@@ -8,7 +8,9 @@ import threading
 import time
 import unicodedata
 from collections.abc import Callable, Collection
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 from ..schema import VibeError
@@ -20,19 +22,17 @@ _TRIES = 200  # most opening braces in a text at which the object is looked for
 
 def find_object(text: str, names: Collection[str]) -> dict[str, Any]:
     """The JSON object in a model's text that has one of these names. Raises ModelError if there is none."""
+
+    def refuse(constant: str) -> float:
+        raise ValueError(f"{constant} is not JSON")
+
     text = text.rpartition("</think>")[2]
-    decoder = json.JSONDecoder(parse_constant=_no_number)
-    place = -1
-    for _ in range(_TRIES):
-        place = text.find("{", place + 1)
-        if place < 0:
-            break
-        try:
-            candidate, _ = decoder.raw_decode(text, place)
-        except (ValueError, RecursionError):
-            continue
-        if isinstance(candidate, dict) and any(name in candidate for name in names):
-            return candidate
+    decoder = json.JSONDecoder(parse_constant=refuse)
+    for brace in islice(re.finditer("{", text), _TRIES):
+        with suppress(ValueError, RecursionError):
+            candidate, _ = decoder.raw_decode(text, brace.start())
+            if any(name in candidate for name in names):
+                return candidate
     if not text.strip():
         raise ModelError("The model's answer is empty.", "Use another model.")
     remedy = "Use a larger model, or one that follows a JSON schema."
@@ -40,12 +40,7 @@ def find_object(text: str, names: Collection[str]) -> dict[str, Any]:
 
 
 def clean(text: Any, longest: int) -> str:
-    r"""A model's text for people: one line, without control and direction characters.
-
-    Example:
-        >>> clean("warm\n  light", 40)
-        'warm light'
-    """
+    """A model's text for people: one line, without control and direction characters."""
     if not isinstance(text, str):
         return ""
     shown = "".join(" " if c.isspace() else c for c in text[: 20 * longest])
@@ -54,17 +49,8 @@ def clean(text: Any, longest: int) -> str:
 
 
 def scrub(value: Any, secret: str) -> Any:
-    """A JSON value without a secret in any of its strings: a hostile server could send the key back.
-
-    Args:
-        value: Texts, lists and objects are searched, keys of objects too.
-        secret: The key. A short one, such as the "ollama" that local servers are given, is a word and stays.
-
-    Example:
-        >>> scrub({"error": "wrong key sk-0123456789abcdef"}, "sk-0123456789abcdef")
-        {'error': 'wrong key ***'}
-    """
-    if len(secret) < _SECRET:
+    """A JSON value without a secret in any of its strings and keys: a hostile server could send the key back."""
+    if len(secret) < _SECRET:  # a word, such as the "ollama" that local servers are given
         return value
     if isinstance(value, str):
         return value.replace(secret, "***")
@@ -73,10 +59,6 @@ def scrub(value: Any, secret: str) -> Any:
     if isinstance(value, dict):
         return {scrub(k, secret): scrub(v, secret) for k, v in value.items()}
     return value
-
-
-def _no_number(name: str) -> float:
-    raise ValueError(f"{name} is not JSON")
 
 
 class ModelError(VibeError):
@@ -93,7 +75,6 @@ class ModelError(VibeError):
 
 LARGEST = 2_000_000  # bytes of an answer; a plan has a few thousand
 _RETRIES = 3  # after temporary failures; the openai package waits before each as long as the server says
-_TICK = 0.05
 _OVERFULL = re.compile(r"context[ _](length|size|window)|too many tokens|n_ctx", re.IGNORECASE)
 
 
@@ -140,20 +121,18 @@ class Transport:
         threading.Thread(target=act, daemon=True).start()
         # Look at the answer, at Stop and at the clock in turn.
         end = time.monotonic() + seconds
-        while True:
+        outcome: Completion | ModelError | None = None
+        while outcome is None:
             try:
-                outcome = box.get(timeout=_TICK)
+                outcome = box.get(timeout=0.05)
             except queue.Empty:
                 if self._stop():
-                    self.close()
-                    raise ModelError("You stopped it.", "", lasting=True) from None
-                if time.monotonic() > end:
-                    self.close()
-                    raise self._late(seconds) from None
-                continue
-            if isinstance(outcome, ModelError):
-                raise outcome
-            return outcome
+                    outcome = ModelError("You stopped it.", "", lasting=True)
+                elif time.monotonic() > end:
+                    outcome = self._late(seconds)
+        if isinstance(outcome, ModelError):
+            raise outcome
+        return outcome
 
     def close(self) -> None:
         """Ends the connection; the next request makes a new one."""
@@ -190,7 +169,11 @@ class Transport:
         if isinstance(error, openai.APITimeoutError):
             return self._late(point.seconds)
         if isinstance(error, openai.APIStatusError):
-            complaint = _complaint(error, point.key)
+            # The server's own words, on one line, without the key
+            body: Any = error.body if isinstance(error.body, dict) else {}
+            inner = body.get("error", body)
+            text = inner.get("message") if isinstance(inner, dict) else inner
+            complaint = clean(scrub(str(text or error.body or ""), point.key), 200).rstrip(". ")
             return explain_status(error.status_code, complaint, error.response.headers, point)
         if isinstance(error, _TooLong) or isinstance(error.__cause__, _TooLong):
             remedy = "Check that it is the right endpoint."
@@ -252,14 +235,6 @@ def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> 
         else:
             what, remedy = f"refuses the request (HTTP {code}){more}", "Use another model."
     return ModelError(f"{point.place} {what}.", remedy, lasting, broken, complaint)
-
-
-def _complaint(error: Any, key: str) -> str:
-    """The server's own words, on one line, without the key."""
-    body = error.body if isinstance(error.body, dict) else {}
-    inner = body.get("error", body)
-    text = inner.get("message") if isinstance(inner, dict) else inner
-    return clean(scrub(str(text or error.body or ""), key), 200).rstrip(". ")
 
 
 def _count(value: Any) -> int:

@@ -269,7 +269,7 @@ class TestReply:
             raw = {f: junk() for f in ("objects", "prompts", "targets", "colors", "ignored", "plan", "keep", "x")}
             raw["plan"] = [entry(draw.choice(names), junk(2), junk(2), priority=junk(2)) for _ in range(3)]
             for key, e in read_reply(raw, table).entries.items():
-                i = table.rows[table.names[key]]
+                i = next(each for each in table.rows.values() if each.key == key)
                 assert all(a <= b <= c <= d for a, b, c, d in zip(i.lower, e.lower, e.upper, i.upper, strict=True))
 
 
