@@ -49,24 +49,18 @@ def probe(linear: np.ndarray) -> LightProbe:
 
 
 def effects_of(found: LightProbe) -> list[str]:
-    """Effects that give the key light the direction and color of the key, and the world the color of the rest.
+    """Effects that give the key light the direction and color of the key, and the world the color of the rest, at their brightness."""
 
-    The brightness of both stays.
-    """
-    texts = [
-        _near("world/color", found.around, _SAME_COLOR),
-        _near("key/color", found.key, _SAME_COLOR),
-        "key/temperature 6499..6501 !0",  # the color says it all
-    ]
+    def near(parameter: str, value: Values, reach: float) -> str:
+        lower, upper = (",".join(f"{v + off:.6g}" for v in value) for off in (-reach, reach))
+        return f"{parameter} {lower}..{upper} !0"
+
+    texts = [near("world/color", found.around, _SAME_COLOR), near("key/color", found.key, _SAME_COLOR)]
+    texts.append("key/temperature 6499..6501 !0")  # the color says it all
     if found.azimuth is not None and found.elevation is not None:
-        texts.append(_near("key/azimuth", (found.azimuth,), _NEAR))
-        texts.append(_near("key/elevation", (found.elevation,), _NEAR))
+        texts.append(near("key/azimuth", (found.azimuth,), _NEAR))
+        texts.append(near("key/elevation", (found.elevation,), _NEAR))
     return texts
-
-
-def _near(parameter: str, value: Values, reach: float) -> str:
-    lower, upper = (",".join(f"{v + off:.6g}" for v in value) for off in (-reach, reach))
-    return f"{parameter} {lower}..{upper} !0"
 
 
 def summary_of(found: LightProbe, name: str) -> str:

@@ -24,8 +24,7 @@ from ..words.types import Part
 from .files import small_size
 
 SIZE = 192  # pixels of the longer side at which images are measured, about as in the search
-_TRANSPARENT = 0.5  # alpha up to which a pixel does not count
-_FEW = 16  # pixels; a smaller region is not measured
+_TRANSPARENT, _FEW = 0.5, 16  # alpha up to which a pixel does not count; pixels below which a region is not measured
 _SMALL = 96  # pixels of the longer side at which regions are found
 _BORDER, _GROUNDS = 0.06, 5  # width of the border in shorter sides; number of colors that stand for it
 _MIDDLE = 0.6  # half diagonals; standard deviation of the weight that falls off from the middle
@@ -59,33 +58,23 @@ def regions_of(display: np.ndarray, alpha: np.ndarray | None = None) -> PictureR
     A subject is not looked for in an image with transparent pixels.
     """
     seen = np.ones(display.shape[:2], bool) if alpha is None else alpha > _TRANSPARENT
-    planes = torch.from_numpy(_filled(display, seen)).permute(2, 0, 1)[None]
-    small = _resized(planes, _SMALL)
-    lab = lab_from_srgb(small[0].permute(1, 2, 0)).numpy()
-    sky = _sky(lab)
     cutout = not seen.all()
+    if cutout:  # transparent pixels get the color of the nearest opaque one
+        nearest = ndimage.distance_transform_edt(~seen, return_distances=False, return_indices=True)
+        display = display[tuple(nearest)]
+    planes = torch.from_numpy(np.ascontiguousarray(display)).permute(2, 0, 1)[None]
+    lab = lab_from_srgb(_resized(planes, _SMALL)[0].permute(1, 2, 0)).numpy()
+    sky = _sky(lab)
     subject = np.zeros_like(sky) if cutout else _subject(lab, sky)
     shown = _resized(planes, SIZE)
     masks = torch.from_numpy(np.stack((subject, sky)).astype(np.float32))[None]
     masks = (F.interpolate(masks, shown.shape[-2:], mode="bilinear")[0] > 0.5).float()
-    picture = MeasuredPicture(shown[0].permute(1, 2, 0).contiguous(), _flat(*masks))
+    # A flat image knows only which pixels are subject and which are sky.
+    material, blank = torch.where((masks[1] > 0.5) & (masks[0] < 0.5), -1, 0), torch.ones_like(masks[0])
+    flat = GBuffer(masks[0], material, ("",), torch.zeros(*blank.shape, 3), blank, blank)
+    picture = MeasuredPicture(shown[0].permute(1, 2, 0).contiguous(), flat)
     counts = _resized(torch.from_numpy(seen.astype(np.float32))[None, None], SIZE)[0, 0] > 0.5
     return PictureRegions(picture, bool(subject.any()), bool(sky.any()), counts)
-
-
-def _filled(display: np.ndarray, seen: np.ndarray) -> np.ndarray:
-    """An image (H, W, 3) whose transparent pixels have the color of the nearest one that is `seen` (H, W)."""
-    if seen.all():
-        return np.ascontiguousarray(display)
-    nearest = ndimage.distance_transform_edt(~seen, return_distances=False, return_indices=True)
-    return np.ascontiguousarray(display[tuple(nearest)])
-
-
-def _flat(subject: Tensor, sky: Tensor) -> GBuffer:
-    """A G-buffer of a flat image: it knows only which pixels are subject and which are sky, (H, W) each."""
-    material = torch.where((sky > 0.5) & (subject < 0.5), -1, 0)
-    blank = torch.ones_like(subject)
-    return GBuffer(subject, material, ("",), torch.zeros(*subject.shape, 3), blank, blank)
 
 
 def _subject(lab: np.ndarray, sky: np.ndarray) -> np.ndarray:

@@ -5,6 +5,7 @@ An image of another scene gives tones, casts, light, palette and haze; one of th
 material.
 """
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -52,28 +53,20 @@ _EXACT = 0.5  # noticeable steps by which the color of a cell or a material may 
 
 
 def is_same(reference: Tensor, rendered: Tensor) -> bool:
-    """True if two pictures show the same things in the same places, however lit."""
+    """True if two images (H, W, 3) show the same things in the same places, however lit: if their edges correlate."""
     one, other = (picture.shape[1] / picture.shape[0] for picture in (reference, rendered))
-    return abs(one / other - 1) < _ASPECT and likeness(reference, rendered) > _ALIKE
-
-
-def likeness(reference: Tensor, rendered: Tensor) -> float:
-    """Correlation of the edges of two images (H, W, 3).
-
-    Strengths of edges are compressed, because a change of light changes them, but not the places of edges.
-    """
     shape = small_size(rendered.shape[0], rendered.shape[1], _EDGES)
-    maps = torch.stack([_edges(picture, shape).flatten() for picture in (reference, rendered)])
-    return float(torch.nan_to_num(torch.corrcoef(maps)[0, 1]))
-
-
-def _edges(picture: Tensor, shape: tuple[int, int]) -> Tensor:
-    """(h, w) log of slopes in Lab relative to the mean slope around, so that edges in a dim corner count as much."""
-    planes = F.interpolate(picture.detach().cpu().float().permute(2, 0, 1)[None], shape, mode="area")
-    lab = lab_from_srgb(planes[0].permute(1, 2, 0))
-    slopes = torch.stack(torch.gradient(lab, dim=(0, 1))).square().sum((0, -1)).sqrt()
-    around = F.avg_pool2d(slopes[None, None], 31, 1, 15, count_include_pad=False)[0, 0]
-    return (1 + slopes / (around + 0.2 * _FLAT)).log()
+    maps = []
+    for picture in (reference, rendered):
+        planes = F.interpolate(picture.detach().cpu().float().permute(2, 0, 1)[None], shape, mode="area")
+        lab = lab_from_srgb(planes[0].permute(1, 2, 0))
+        slopes = torch.stack(torch.gradient(lab, dim=(0, 1))).square().sum((0, -1)).sqrt()
+        # Relative to the mean slope around, edges in a dim corner count as much. The logarithm compresses strengths, which a change
+        # of light changes, unlike the places of edges.
+        around = F.avg_pool2d(slopes[None, None], 31, 1, 15, count_include_pad=False)[0, 0]
+        maps.append((1 + slopes / (around + 0.2 * _FLAT)).log().flatten())
+    likeness = float(torch.nan_to_num(torch.corrcoef(torch.stack(maps))[0, 1]))
+    return abs(one / other - 1) < _ASPECT and likeness > _ALIKE
 
 
 def statements_by_place(picture: Tensor, alpha: np.ndarray | None, seen: GBuffer) -> list[Statement]:
@@ -83,32 +76,25 @@ def statements_by_place(picture: Tensor, alpha: np.ndarray | None, seen: GBuffer
     if alpha is not None:
         planes = torch.from_numpy(alpha)[None, None]
         hidden = F.interpolate(planes, seen.subject.shape, mode="area")[0, 0] < _SEEN
-    said = []
-    for each in (*sorted(_cells(seen), key=lambda cell: cell.word), *_materials(seen)):
-        claim, materials = each.claim, (each.material,) if each.material else ()
-        where = Claim("", "picture", "mean", "picture", (), (), materials, box=claim.box).region(seen)
-        if where is not None and not (where & hidden).any():
-            value, reach = MEASURES["mean"].take(measured, where).tolist(), _EXACT * MEASURES["mean"].notice
-            lower, upper = tuple(v - reach for v in value), tuple(v + reach for v in value)
-            said.append(replace(each, claim=replace(claim, lower=lower, upper=upper)))
-    return said
-
-
-def _cells(seen: GBuffer) -> Iterator[Statement]:
+    cells = []
     height, width = seen.subject.shape
     step = max(height, width) / _LONGER
     rows, columns = max(round(height / step), 1), max(round(width / step), 1)
-    for row in range(rows):
-        for column in range(columns):
-            box = column / columns, row / rows, (column + 1) / columns, (row + 1) / rows
-            place = f"{_WORDS[3 * row // rows]} {_SIDES[3 * column // columns]}"
-            reason = f"as it is at the {place} of the picture"
-            yield Statement("light", place, ClaimText("picture", "mean", box=box, reason=reason))
-
-
-def _materials(seen: GBuffer) -> Iterator[Statement]:
-    for name in sorted(set(seen.materials)):
-        yield Statement("materials", name, ClaimText("thing", "mean", reason=f"as {name} looks in it"), name)
+    for row, column in itertools.product(range(rows), range(columns)):
+        box = column / columns, row / rows, (column + 1) / columns, (row + 1) / rows
+        place = f"{_WORDS[3 * row // rows]} {_SIDES[3 * column // columns]}"
+        reason = f"as it is at the {place} of the picture"
+        cells.append(Statement("light", place, ClaimText("picture", "mean", box=box, reason=reason)))
+    looks = [(name, ClaimText("thing", "mean", reason=f"as {name} looks in it")) for name in sorted({*seen.materials})]
+    materials = [Statement("materials", name, claim, name) for name, claim in looks]
+    said = []
+    for each in (*sorted(cells, key=lambda cell: cell.word), *materials):
+        claim, owners = each.claim, (each.material,) if each.material else ()
+        where = Claim("", "picture", "mean", "picture", (), (), owners, box=claim.box).region(seen)
+        if where is not None and not (where & hidden).any():
+            value, reach = MEASURES["mean"].take(measured, where).tolist(), _EXACT * MEASURES["mean"].notice
+            said.append(_with(each, lower=tuple(v - reach for v in value), upper=tuple(v + reach for v in value)))
+    return said
 
 
 _GRAY = 4.0  # C* below which a tint is none
@@ -168,7 +154,14 @@ class _Reader:
             (light,) = self._value(measure, "picture")
             says = MEASURES[measure].says
             said = self._near("grade", "tones", measure, "picture", CLOSE, f"{says} is L* {light:.0f}")
-            yield _of_content(said)
+            # Black and white objects of the reference need not be in the scene.
+            if measure == "black_point":
+                said = _with(said, upper=(max(*said.claim.upper, _BLACK),))
+            elif measure == "white_point":
+                said = _with(said, lower=(min(*said.claim.lower, _WHITE),))
+            elif "quartile" in measure:
+                said = _with(said, weight=_OF_CONTENT)
+            yield said
         for measure, what in _CASTS.items():
             name = hue(*self._value(measure, "picture"))
             yield self._near("grade", f"{name} {what}", measure, "picture", CLOSE, f"its {what} are {name}")
@@ -272,13 +265,3 @@ class _Reader:
 
 def _with(statement: Statement, **changes: Any) -> Statement:
     return replace(statement, claim=replace(statement.claim, **changes))
-
-
-def _of_content(statement: Statement) -> Statement:
-    """A statement on tones, relaxed so that black and white objects of the reference need not be in the scene."""
-    measure, lower, upper = statement.claim.measure, statement.claim.lower, statement.claim.upper
-    if measure == "black_point":
-        return _with(statement, upper=(max(*upper, _BLACK),))
-    if measure == "white_point":
-        return _with(statement, lower=(min(*lower, _WHITE),))
-    return _with(statement, weight=_OF_CONTENT) if "quartile" in measure else statement
