@@ -69,10 +69,8 @@ def _reading(word: PromptWord) -> messages.WordReading:
     is_general = word.target in GENERAL and word.thing not in word.target
     describes = f"describes {listed(word.target)}" + (f" ({word.thing})" if is_general else "")
     if word.guess:
-        state, meaning = "guessed", f"taken for “{word.guess}”, {describes}"
-    else:
-        state, meaning = "understood", describes
-    return messages.WordReading(word.text, state, meaning, [], *choices)
+        return messages.WordReading(word.text, "guessed", f"taken for “{word.guess}”, {describes}", [], *choices)
+    return messages.WordReading(word.text, "understood", describes, [], *choices)
 
 
 class Glances:
@@ -86,8 +84,10 @@ class Glances:
     def look(self, request: messages.Glance, stopped: Callable[[], bool]) -> EarlyLook | None:
         """The first look; None if the request was `stopped`, or no word is known. Raises VibeError for an unreadable job."""
         options = messages.Options.from_dict(request.options)
-        found = [self._scene(request.job)]
-        stage = linked(set_stage(found, request.prompt, options.new_lights, options.target), options)
+        if self._found is None or request.job != self._job:
+            self._job, self._found = request.job, load_scene(Path(request.job))
+            self._proxies.clear()
+        stage = linked(set_stage([self._found], request.prompt, options.new_lights, options.target), options)
         (scene,) = stage.scenes
         _, (shot,) = gathered([ShotInput(scene)], options, lambda _: self._proxy(scene, options))
         if stopped():
@@ -100,17 +100,10 @@ class Glances:
             return None
         return None if stopped() else looks.drawn(u, stage.claims(advice.goals))
 
-    def _scene(self, job: str) -> SceneData:
-        if self._found is None or job != self._job:
-            self._job, self._found = job, load_scene(Path(job))
-            self._proxies.clear()
-        return self._found
-
     def _proxy(self, scene: SceneData, options: messages.Options) -> Proxy:
         parameters = (*scene.instances, *scene.links)
         if parameters not in self._proxies:
-            device = pick_device(options.device)
-            encoder = load_encoder(options.encoder or None, device)
+            encoder = load_encoder(options.encoder or None, pick_device(options.device))
             size = inner_size(scene, options, encoder, bool(options.like))
-            self._proxies[parameters] = Proxy(scene, size, device, options.seed)
+            self._proxies[parameters] = Proxy(scene, size, str(encoder.device), options.seed)
         return self._proxies[parameters]

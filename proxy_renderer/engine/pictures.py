@@ -16,29 +16,23 @@ from ..optimize.shots import draw
 from ..render.proxy import Proxy
 from ..schema import atomic
 
-PREDICTION = "prediction.png"
 PICTURES = {
-    "shown": PREDICTION,
+    "shown": "prediction.png",
     "before_last_anchor": "prediction-earlier.png",
     "unanchored": "prediction-unanchored.png",
 }
 """Kind of prediction -> its file. The last anchor was rendered at the final values, so that "shown" says little about the
 proxy. "before_last_anchor" does: its correction comes from other values."""
+VARIANT = "variant-{}.png"  # the file name of a variant's image; numbers start at 1
 
 Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 
-_PANEL = 512
-_MARGIN = 24
+_PANEL, _MARGIN = 512, 24  # pixels
 _PAPER, _INK, _FAINT = (250, 250, 248), (32, 32, 36), (120, 120, 126)
 _LATIN, _CJK = "Inter.woff2", "Noto Sans CJK Regular.woff2"
 _EAST_ASIAN = re.compile(r"[\u1100-\u11ff\u2e80-\u9fff\uac00-\ud7af\uf900-\ufaff\uff00-\uffef]")
 _UNIT = re.compile(rf"{_EAST_ASIAN.pattern}|\s*(?:(?!{_EAST_ASIAN.pattern})\S)+")
 """A unit of text, after which a line may end: an East Asian character, or a word with the space before it."""
-
-
-def variant_file(number: int) -> str:
-    """The file name of a variant's image; numbers start at 1."""
-    return f"variant-{number}.png"
 
 
 @torch.no_grad()
@@ -61,12 +55,12 @@ def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path, figures: boo
 
 @torch.no_grad()
 def predict_variants(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> list[Image.Image]:
-    """Draws a shot of every variant, into its job folder, see `variant_file`. Arguments as for `predict`."""
+    """Draws a shot of every variant, into its job folder, see `VARIANT`. Arguments as for `predict`."""
     pictures = []
     for place, look in enumerate(outcome.variants, start=1):
         proxy.correction = look.shots[number].anchor.correction
         pictures.append(as_image(draw(proxy, look.shots[number].vector, look.u).display))
-        save_image(pictures[-1], job / variant_file(place))
+        save_image(pictures[-1], job / VARIANT.format(place))
     return pictures
 
 
@@ -104,9 +98,7 @@ def load_picture(path: Path | str, shape: tuple[int, int] | None = None) -> np.n
     """Reads an image as (H, W, 3) float32 in [0, 1], resized to a width and height if given; transparent pixels show black."""
     with Image.open(path) as image:
         flat = Image.alpha_composite(Image.new("RGBA", image.size, (0, 0, 0, 255)), image.convert("RGBA"))
-    shown = flat.convert("RGB")
-    if shape:
-        shown = shown.resize(shape, Image.Resampling.LANCZOS)
+    shown = flat.convert("RGB").resize(shape or flat.size, Image.Resampling.LANCZOS)
     return np.asarray(shown, np.float32) / 255.0
 
 
@@ -155,11 +147,9 @@ def wrapped(text: str, face: Font, width: float, most: int) -> list[str]:
     """At most `most` lines of a text, each at most `width` pixels wide; "…" marks that text is left out."""
     lines = [""]
     for unit in _UNIT.findall(text):
-        longer = lines[-1] + unit
-        if lines[-1] and face.getlength(longer) > width:
-            lines.append(unit.lstrip())
-        else:
-            lines[-1] = longer.lstrip()
+        if lines[-1] and face.getlength(lines[-1] + unit) > width:
+            lines.append("")
+        lines[-1] = (lines[-1] + unit).lstrip()
     if len(lines) <= most:
         return lines
     last = lines[most - 1]
