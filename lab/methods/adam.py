@@ -117,7 +117,7 @@ class SampledObjective:
     @property
     def shots(self) -> int:
         """Number of pictures."""
-        return self._objective.shots
+        return len(self._objective.seen)
 
     def render(self, u: Tensor, shot: int) -> Render:
         """The proxy's picture of u (N,), of a shot."""

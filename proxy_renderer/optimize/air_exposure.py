@@ -21,10 +21,8 @@ _BLACK = 1e-5  # least linear luminance that is counted
 def exposed_through_air(plan: Plan, vector: ParameterVector, linear: Callable[[Tensor], Tensor]) -> Plan:
     """The plan, with a start for the exposure at which the image through its fog is as light as without fog.
 
-    The plan stays the same if words do not name the fog, if they name the exposure, or if the exposure may not change.
-
-    Args:
-        linear: Renders the scene-linear image (H, W, 3) of a point u (N,).
+    The plan stays the same if words do not name the fog, if they name the exposure, or if the exposure may not change. `linear`
+    renders the scene-linear image (H, W, 3) of a point u (N,).
     """
     air, film = plan.get(DENSITY), plan.get(EXPOSURE)
     if not (air and film) or not air.is_named or film.priority is None or film.is_named:
@@ -34,18 +32,14 @@ def exposed_through_air(plan: Plan, vector: ParameterVector, linear: Callable[[T
     filled = project(start_point(vector, plan, home), *bounds)
     clear = torch.where(vector.mark([DENSITY]), home, filled)
     with torch.no_grad():
-        light, left = (_lightness(linear(point)) for point in (clear, filled))
+        # The mean cube root of luminance is a lightness in which a few bright pixels count little.
+        roots = (luminance(linear(point)).clamp_min(_BLACK).pow(1 / 3) for point in (clear, filled))
+        light, left = (float(root.mean()) for root in roots)
     stops = 3.0 * math.log2(light / left)
     if stops < _LEAST:
         return plan
-    (own,), (low,), (high,) = vector.instances[EXPOSURE].value, film.lower, film.upper
-    start = own + min(stops, _MOST)
-    ends = (min(low, start - _AROUND),), (max(high, start + _AROUND),)
+    start = vector.instances[EXPOSURE].value[0] + min(stops, _MOST)
+    lower, upper = min(film.lower[0], start - _AROUND), max(film.upper[0], start + _AROUND)
     why = "supports the words: fog takes light"
-    exposed = replace(film, lower=ends[0], upper=ends[1], start=(start,), reason=why)
+    exposed = replace(film, lower=(lower,), upper=(upper,), start=(start,), reason=why)
     return Plan({**plan, EXPOSURE: exposed}, plan.notes)
-
-
-def _lightness(linear: Tensor) -> float:
-    """Mean cube root of an image's luminance: a lightness in which a few bright pixels count little."""
-    return float(luminance(linear).clamp_min(_BLACK).pow(1 / 3).mean())

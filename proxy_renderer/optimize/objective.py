@@ -8,6 +8,7 @@
   (Curtis, Powell and Reid 1974).
 """
 
+import itertools
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
@@ -88,31 +89,24 @@ class RoundObjective:
         rows = [[part.start + i for i in range(3)] for part in colors]
         self._colors = torch.tensor(rows).view(-1, 3).long()
 
-    @property
-    def shots(self) -> int:
-        """Number of images."""
-        return len(self.seen)
-
     def render(self, u: Tensor, shot: int) -> Render:
         """The proxy's image of u (N,) in a shot (from 0), differentiable in the free keys."""
         return self.seen[shot].draw(u, self.free)
 
     def assess(self, u: Tensor) -> Assessment:
         """The assessment of the images of all shots at u (N,), differentiable in the free keys."""
-        return self.judge([self.render(u, shot) for shot in range(self.shots)], u)
+        return self.judge([shot.draw(u, self.free) for shot in self.seen], u)
 
     def judge(self, pictures: Sequence[Render], u: Tensor) -> Assessment:
         """The assessment of u (N,) from its images, one for each shot, which are given."""
-        similar = [
-            term for n, picture in enumerate(pictures) for term in self._similar(picture, fixed_views(), n).values()
-        ]
+        similar = [self._similar(picture, fixed_views(), n).values() for n, picture in enumerate(pictures)]
+        total = sum(itertools.chain(*similar), pictures[0].display.new_zeros(()))
         rows = [row for shot, picture in zip(self.seen, pictures, strict=True) for row in shot.aims(picture)]
-        aims = [row[1:] for row in rows]
-        values, lower, upper = (torch.cat([u.new_zeros(0), *(row[i].to(u) for row in aims)]) for i in range(3))
-        numbers = [torch.full(row[0].shape, number) for number, row in enumerate(aims)]
+        values, lower, upper = (torch.cat([u.new_zeros(0), *(row[i].to(u) for row in rows)]) for i in (1, 2, 3))
+        numbers = [torch.full(row[1].shape, number) for number, row in enumerate(rows)]
         claim = torch.cat([torch.zeros(0).long(), *numbers])
         finish = torch.tensor([MEASURES[each.measure].of_finish for each, *_ in rows]).bool()[claim]
-        rest = sum(similar, pictures[0].display.new_zeros(())).to(u) / self.shots + self.held(u)
+        rest = total.to(u) / len(self.seen) + self.held(u)
         return Assessment(values, lower, upper, claim, rest, pictures[0], finish)
 
     def account(self, u: Tensor) -> dict[str, dict[str, float]]:
@@ -158,34 +152,26 @@ class RoundObjective:
         return prior + self._weights.hue * hue
 
     def slopes(self, u: Tensor, chosen: Tensor) -> Slopes:
-        """Slopes at u (N,) over the n chosen components (N,) bool.
-
-        Supporting parameters have slope 0 for claims about a finish, so that they do not fake it: a darker room is no duller sofa.
-        """
-        found = self._slopes(u, chosen)
-        assert found.here.finish is not None
-        faked = found.here.finish[:, None] & self._supports[chosen]
-        return found._replace(values=found.values.masked_fill(faked, 0.0))
-
-    def _slopes(self, u: Tensor, chosen: Tensor) -> Slopes:
-        """Slopes, computed in the cheapest way.
+        """Slopes at u (N,) over the n chosen components (N,) bool, computed in the cheapest way.
 
         A reference image has hundreds of values. Backward passes for all are expensive, even through the film alone, so differences
         are used. A camera that moves sees other objects: only backward passes through the renderer differentiate outlines.
         """
-        if self._differences:
-            stride = self.vector.strides(u)
-            inside = u + stride <= self._box[0] + self._span
-            strides = torch.where(inside, stride, -stride)
-            with torch.no_grad():
-                nearby = Neighbors(self.seen, self.judge, u, strides)
-            return difference_slopes(nearby.assess, u, chosen, strides)
         keys = {key for key in self.free if chosen[self.vector.slices[key]].any()}
         values = 1 + sum(len(shot.claims.claims) for shot in self.seen if shot.claims)
-        dear = pictures_for(self.seen, keys) > _PICTURES * values * self.shots
-        if self._moves_camera(keys) or dear:
-            return backward_slopes(self.assess, u, chosen)
-        return forward_slopes(self.seen, self.judge, u, chosen, (self._box[0], self._box[0] + self._span))
+        box = self._box[0], self._box[0] + self._span
+        if self._differences:
+            stride = self.vector.strides(u)
+            strides = torch.where(u + stride <= box[1], stride, -stride)
+            found = difference_slopes(neighbors(self.seen, self.judge, u, strides), u, chosen, strides)
+        elif self._moves_camera(keys) or pictures_for(self.seen, keys) > _PICTURES * values * len(self.seen):
+            found = backward_slopes(self.assess, u, chosen)
+        else:
+            found = forward_slopes(self.seen, self.judge, u, chosen, box)
+        # Supporting parameters have slope 0 for claims about a finish, so that they do not fake it: a darker room is no duller sofa.
+        assert found.here.finish is not None
+        faked = found.here.finish[:, None] & self._supports[chosen]
+        return found._replace(values=found.values.masked_fill(faked, 0.0))
 
     def _moves_camera(self, keys: Collection[str]) -> bool:
         return any(self.vector.instances[key].parameter.group == "camera" for key in keys)
@@ -230,29 +216,24 @@ def gradients(found: Assessment, leaves: Sequence[Tensor], together: bool = Fals
 def difference_slopes(assess: Callable[[Tensor], Assessment], u: Tensor, chosen: Tensor, strides: Tensor) -> Slopes:
     """Slopes at u (N,) over the chosen components (N,) bool, by the difference along a stride (N,) in each of them."""
     here = assess(u)
-    columns, rest = [], []
+    columns = []
     for i in chosen.nonzero()[:, 0]:
-        stride = strides[i]
-        there = assess(u.index_add(0, i[None], stride[None]))
-        columns.append((there.values - here.values) / stride)
-        rest.append((there.rest - here.rest) / stride)
-    slopes = torch.nan_to_num(torch.stack(columns, 1), 0.0, 0.0, 0.0)
-    return Slopes(here, slopes, torch.nan_to_num(torch.stack(rest), 0.0, 0.0, 0.0))
+        there = assess(u.index_add(0, i[None], strides[i, None]))
+        moved = torch.cat([there.values - here.values, (there.rest - here.rest)[None]])
+        columns.append(torch.nan_to_num(moved / strides[i], 0.0, 0.0, 0.0))
+    slopes = torch.stack(columns, 1)
+    return Slopes(here, slopes[:-1], slopes[-1])
 
 
-class Neighbors:
+@torch.no_grad()
+def neighbors(seen: Sequence[ShotState], judge: _Judge, u: Tensor, strides: Tensor) -> Callable[[Tensor], Assessment]:
     """Assesses a point u (N,) and the points that differ from it by a stride (N,) in one component, with shared ray tracing."""
-
-    def __init__(self, seen: Sequence[ShotState], judge: _Judge, u: Tensor, strides: Tensor) -> None:
-        self._shots, self._judge = [_ShotNeighbors(shot, u, strides) for shot in seen], judge
-
-    def assess(self, point: Tensor) -> Assessment:
-        """The assessment of the point u itself, or of one of its neighbors (N,)."""
-        return self._judge([shot.picture(point) for shot in self._shots], point)
+    shots = [_ShotNeighbors(shot, u, strides) for shot in seen]
+    return lambda point: judge([shot.picture(point) for shot in shots], point)
 
 
 class _ShotNeighbors:
-    """A shot's images of a point and its neighbors; arguments as for `Neighbors`."""
+    """A shot's images of a point and its neighbors; arguments as for `neighbors`."""
 
     def __init__(self, shot: ShotState, u: Tensor, strides: Tensor) -> None:
         self._shot, self._u, self._moved, self._proxy = shot, u, u + strides, shot.corrected
@@ -271,23 +252,17 @@ class _ShotNeighbors:
             group = vector.instances[key].parameter.group
             if group == "camera":
                 return self._shot.draw(point)
-            if group != "film":
-                latent = self._exposed(key, part, differs[part])
+            if group == "film":
+                continue
+            if self._last is None or self._last[0] != key:
+                there = self._u.clone()
+                there[part] = self._moved[part]
+                self._last = key, self._proxy.expose(self._values(there), self._cache.aside())
+            latent = self._last[1]
+            if len(differs[part]) > 1:  # all components of a color are moved in one image, and each changes one channel
+                linear = torch.where(differs[part], latent.linear, self._here.linear)
+                latent = replace(self._here, linear=linear)
         return self._proxy.develop(latent, self._values(point))
-
-    def _exposed(self, key: str, part: slice, components: Tensor) -> LatentImage:
-        """The undeveloped image with some components (C,) bool of a key moved by their strides.
-
-        If the key is a color, all its components are moved in one image, and each changes one channel of the result.
-        """
-        if self._last is None or self._last[0] != key:
-            there = self._u.clone()
-            there[part] = self._moved[part]
-            self._last = key, self._proxy.expose(self._values(there), self._cache.aside())
-        latent = self._last[1]
-        if len(components) == 1:
-            return latent
-        return replace(self._here, linear=torch.where(components, latent.linear, self._here.linear))
 
     def _values(self, point: Tensor) -> dict[str, Tensor]:
         return chosen_values(self._shot.vector, point, self._proxy.device)
@@ -295,7 +270,8 @@ class _ShotNeighbors:
 
 def pictures_for(seen: Sequence[ShotState], keys: set[str]) -> int:
     """Number of images that `forward_slopes` would draw."""
-    return sum(key in keys and not _of_film(shot, own) for shot in seen for own, key in shot.names.items())
+    named = [shot.vector.instances[own] for shot in seen for own, key in shot.names.items() if key in keys]
+    return sum(instance.parameter.group != "film" for instance in named)
 
 
 def forward_slopes(
@@ -322,7 +298,7 @@ class _ForwardShot:
     def __init__(self, shot: ShotState, u: Tensor, chosen: Tensor) -> None:
         self._shot, self._u, self._proxy = shot, u, shot.corrected
         keys = {own for own, part in shot.vector.slices.items() if chosen[part].any()}
-        self._film = {key for key in keys if _of_film(shot, key)}
+        self._film = {key for key in keys if shot.vector.instances[key].parameter.group == "film"}
         self._scene = keys - self._film
         self._values = chosen_values(shot.vector, u, self._proxy.device, keys)
         with torch.no_grad():
@@ -364,7 +340,3 @@ def _fields(latent: LatentImage) -> list[Tensor]:
     """The fields of an undeveloped image that the scene's parameters change while the camera stands still."""
     fields = latent.linear, latent.transmittance, latent.alpha
     return [field for field in fields if field is not None]
-
-
-def _of_film(shot: ShotState, key: str) -> bool:
-    return shot.vector.instances[key].parameter.group == "film"

@@ -14,7 +14,6 @@ from ..guidance import regions
 from ..render.geometry.camera import view_of
 from ..render.geometry.samples import pixel_centers
 from ..render.geometry.visibility import RayGeometry
-from ..render.lights.light_source import LightSource
 from ..render.lights.light_types import AreaLight, light_sources
 from ..render.proxy import Proxy, Render
 from ..scene import SceneData
@@ -30,15 +29,16 @@ _KEPT = 0.8  # share of the distance to the nearest surface up to which a light 
 def described_now(
     known: SceneDescription, proxy: Proxy, values: dict[str, Values], picture: Render | None
 ) -> SceneDescription:
-    """A scene's description, updated to its current values, its added lights and backdrop, and the proxy's image of them.
-
-    Args:
-        known: The description before any change.
-        values: Key -> value in schema units.
-    """
-    scene = proxy.scene
+    """The `known` description of a scene, updated to its current values, its added lights and backdrop, and the proxy's image."""
+    scene, stats = proxy.scene, None
     world, materials = _coverage(proxy, values)
     backdrop = scene.world.image if scene.world.backdrop is None else scene.world.backdrop
+    if picture is not None:
+        lab, mask = lab_from_srgb(picture.display.detach()).cpu(), picture.mask.detach().cpu()
+        masks: dict[Region, Tensor] = {"subject": mask, "surroundings": 1.0 - mask}
+        means = {region: tuple(regions.mean(lab, where).tolist()) for region, where in masks.items()}
+        spread = torch.quantile(lab[..., 0].flatten(), torch.tensor([0.05, 0.5, 0.95]))
+        stats = PictureStats(lab=means, percentiles=tuple(spread.tolist()))
     return replace(
         known,
         added_lights=light_descriptions(scene, added=True),
@@ -47,7 +47,7 @@ def described_now(
         material_share=materials,
         backdrop_luminance=mean_luminance(backdrop),
         values=values,
-        picture=None if picture is None else _picture_stats(picture),
+        picture=stats,
     )
 
 
@@ -65,15 +65,6 @@ def light_descriptions(scene: SceneData, added: bool) -> dict[str, LightDescript
 def mean_luminance(image: np.ndarray | None) -> float:
     """Mean luminance over the sphere of an environment image; 0.5 as a neutral value without one."""
     return 0.5 if image is None else arrays.sphere_luminance(image)
-
-
-def _picture_stats(picture: Render) -> PictureStats:
-    lab, mask = lab_from_srgb(picture.display.detach()).cpu(), picture.mask.detach().cpu()
-    means: dict[Region, Tensor] = {"subject": regions.mean(lab, mask), "surroundings": regions.mean(lab, 1.0 - mask)}
-    spread = torch.quantile(lab[..., 0].flatten(), torch.tensor([0.05, 0.5, 0.95]))
-    return PictureStats(
-        lab={region: tuple(m.tolist()) for region, m in means.items()}, percentiles=tuple(spread.tolist())
-    )
 
 
 def _coverage(proxy: Proxy, values: dict[str, Values]) -> tuple[float | None, dict[str, float]]:
@@ -104,20 +95,16 @@ def light_sizes(scene: SceneData, geometry: RayGeometry) -> dict[str, float]:
         key = f"light/{source.light.name}/size"
         if source.at_infinity or key not in scene.instances:
             continue
-        arms = _arms(source)
+        # (3, n) from the middle of the light to points of its outline, in meters
+        if isinstance(source, AreaLight):
+            u, v = source.half_axes()
+            half = torch.cat((u, v, u + v, u - v), 1)
+        else:
+            half = torch.eye(3, device=source.position.device) * source.size
+        arms = torch.cat((half, -half), 1)
         length = arms.norm(dim=0)
         origin = source.position[:, None].expand_as(arms)
         free = geometry.nearest(origin, arms / length, "shadow").distance
         growth = max(float((_KEPT * free / length).min()), 1.0)
         widest[key] = min(widest.get(key, math.inf), growth * scene.value(key)[0])
     return widest
-
-
-def _arms(source: LightSource) -> Tensor:
-    """(3, n) vectors from the middle of a light to points of its outline, in meters."""
-    if isinstance(source, AreaLight):
-        u, v = source.half_axes()
-        half = torch.cat((u, v, u + v, u - v), 1)
-    else:
-        half = torch.eye(3, device=source.position.device) * source.size
-    return torch.cat((half, -half), 1)

@@ -24,7 +24,6 @@ from ..words.types import LightDescription, MaterialLook, SceneDescription
 from .scene_facts import light_descriptions, mean_luminance
 
 _SIDE = 64  # rays along each side of the image
-_SKY = 0.05  # share of the surroundings that the sky has to fill to count as visible
 _GLOWS = 0.05  # radiance from which a surface glows
 _CLIPPED = 4.0  # largest component of a glow that counts: a stronger glow looks no paler
 # z of normals: level surfaces have more, upright ones less (absolute), parts of a roof more
@@ -58,6 +57,11 @@ def described(*scenes: SceneData) -> SceneDescription:
     looks = present_looks(scenes[0]) if scenes else {}
     dark = {name for name, look in looks.items() if not look.glows}  # emitters with a black color among them
     subjects = [name for name, region in objects.items() if region == "subject"]
+    sky = not scenes
+    if scenes:  # the sky is visible if the world fills 5 % of the surroundings
+        rays = _rays(scenes[0])
+        around = rays.count - sum(scenes[0].objects[o].subject for o in rays.object.tolist())
+        sky = around > 0 and rays.count - len(rays.object) >= 0.05 * around
     return SceneDescription(
         subject=subjects[0] if len(subjects) == 1 else "",
         objects=objects,
@@ -66,7 +70,7 @@ def described(*scenes: SceneData) -> SceneDescription:
         lights=lights,
         glows=tuple(dict.fromkeys(n for scene in scenes for n in glowing(scene) if n not in dark)),
         looks=looks,
-        sky=not scenes or sees_sky(scenes[0]),
+        sky=sky,
         emitters={name: glow for scene in reversed(scenes) for name, glow in glows(scene).items()},
         camera_azimuth=scenes[0].value("camera/azimuth", (0.0,))[0] if scenes else 0.0,
         view=scenes[0].film.view if scenes else "AgX",
@@ -78,14 +82,6 @@ def described(*scenes: SceneData) -> SceneDescription:
             if m.texture is not None
         },
     )
-
-
-def sees_sky(scene: SceneData) -> bool:
-    """True if the camera sees the world in at least 5 % of the surroundings."""
-    rays = _rays(scene)
-    subjects = np.array([o.subject for o in scene.objects], bool)
-    around = rays.count - int(subjects[rays.object].sum())
-    return around > 0 and rays.count - len(rays.object) >= _SKY * around
 
 
 @dataclass(frozen=True)
@@ -106,8 +102,7 @@ _met: weakref.WeakKeyDictionary[SceneMesh, tuple[Path, _Rays]] = weakref.WeakKey
 def present_looks(scene: SceneData) -> dict[str, MaterialLook]:
     """The present look of every material."""
     rays = _rays(scene)
-    parts = [*_structures(scene, rays).items(), *(("walls", wall) for wall in _walls(rays))]
-    looks = {}
+    structures, looks = _structures(scene, rays), {}
     for number, material in enumerate(scene.materials):
         on = rays.object[rays.material == number]
         worn = {scene.objects[o].name: float((on == o).sum()) / rays.count for o in np.unique(on).tolist()}
@@ -117,22 +112,17 @@ def present_looks(scene: SceneData) -> dict[str, MaterialLook]:
             glows=bool(glow),
             share=len(on) / rays.count,
             worn=worn,
-            structures=frozenset(part for part, owner in parts if owner == number),
+            structures=frozenset(part for part, owners in structures.items() if number in owners),
         )
     return looks
 
 
 def _rays(scene: SceneData) -> _Rays:
     """Rays of a scene. They are traced once for each job: for a tree this takes longer than reading a prompt."""
-    job, rays = _met.get(scene.mesh, (None, None))
-    if rays is None or job != scene.folder:
-        rays = _traced(scene)
-        _met[scene.mesh] = scene.folder, rays
-    return rays
-
-
-def _traced(scene: SceneData) -> _Rays:
     mesh = scene.mesh
+    job, rays = _met.get(mesh, (None, None))
+    if rays is not None and job == scene.folder:
+        return rays
     view = view_of(scene, RenderValues(scene, {}, "cpu"), (_SIDE, _SIDE)).detached()
     origin, toward = view.rays(pixel_centers(view.size))
     hits = geometry_of(scene, torch.device("cpu")).first_hits(origin, toward, "camera")
@@ -143,8 +133,9 @@ def _traced(scene: SceneData) -> _Rays:
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True) + 1e-20
     away = np.sign((normal * toward.numpy().T[met]).sum(1))
-    owner = mesh.material[triangle], mesh.object[triangle]
-    return _Rays(_SIDE**2, *owner, height, -away * normal[:, 2])
+    rays = _Rays(_SIDE**2, mesh.material[triangle], mesh.object[triangle], height, -away * normal[:, 2])
+    _met[mesh] = scene.folder, rays
+    return rays
 
 
 def _glow(scene: SceneData, material: Material) -> Values | None:
@@ -174,11 +165,13 @@ def _color(scene: SceneData, material: Material) -> Values | None:
     return srgb_from_linear(base) if len(base) == 3 else None
 
 
-def _structures(scene: SceneData, rays: _Rays) -> dict[str, int]:
-    """Structure, as "ground" -> index of its material; only structures for which one material is clearly the largest."""
+def _structures(scene: SceneData, rays: _Rays) -> dict[str, list[int]]:
+    """Structure, as "ground" -> index of its material, if one is clearly the largest; "walls" -> those of several walls."""
     if not len(rays.height):
         return {}
-    low, tall = _extent(rays.height)
+    # The lowest 3 % and the highest 1 % do not count, as a hole in the ground.
+    low, high = np.quantile(rays.height, (0.03, 0.99)).tolist()
+    tall = max(high - low, 1e-6)
     mine = np.array([thing.subject for thing in scene.objects])[rays.object]
     stands = float(rays.height[mine].min()) if mine.any() and not mine.all() else low
     found: dict[str, dict[int, float]] = {}
@@ -192,39 +185,19 @@ def _structures(scene: SceneData, rays: _Rays) -> dict[str, int]:
     for part, shares in found.items():
         best, *others = sorted(shares, key=lambda number: -shares[number])
         if not others or shares[best] >= _CLEAR * shares[others[0]]:
-            clear[part] = best
+            clear[part] = [best]
     around = rays.material[(rays.slope > _LEVEL) & ~mine]
     if "ground" in clear and (around == clear["ground"]).sum() > _ALONE * len(around):
         clear.setdefault("support", clear["ground"])  # nothing else can be the "table" of a prompt
-    return clear
-
-
-def _walls(rays: _Rays) -> list[int]:
-    """Indices of the materials of walls; empty if there is only one."""
-    if not len(rays.height):
-        return []
-    low, tall = _extent(rays.height)
-    shares = {}
-    for number in np.unique(rays.material).tolist():
-        own = rays.material == number
-        large = own.sum() >= _LEAST * rays.count
-        if large and "wall" in _parts(rays.height[own], rays.slope[own], (low, tall, low)):
-            shares[number] = int(own.sum())
+    shares = found.get("wall", {})
     walls = [number for number, share in shares.items() if share > _WALL * max(shares.values())]
-    return walls if len(walls) > 1 else []
-
-
-def _extent(height: np.ndarray) -> tuple[float, float]:
-    """Lowest height, and extent upward from it, without the lowest 3 % and the highest 1 %: a hole in the ground does not count."""
-    low, high = np.quantile(height, (0.03, 0.99))
-    return float(low), max(float(high - low), 1e-6)
+    return {**clear, "walls": walls} if len(walls) > 1 else clear
 
 
 def _parts(height: np.ndarray, slope: np.ndarray, scene: tuple[float, float, float]) -> Iterator[str]:
     """Structures that a material may be, from the heights and slopes of its pixels.
 
-    Args:
-        scene: The scene's lowest height, its extent upward, and the height that the subject stands on.
+    `scene` is the scene's lowest height, its extent upward, and the height that the subject stands on.
     """
     low, tall, stands = scene
     level = height[slope > _LEVEL]

@@ -61,34 +61,26 @@ class BlenderPictures:
         if answer is None:
             return None
         self.waited += max(time.monotonic() - asked - answer.seconds, 0.0)
+        path = Path(self._scene.folder) / answer.picture
         try:
-            picture = self._load(answer, size)
+            if answer.error:
+                raise VibeError(answer.error)
+            picture = CyclesPicture.load(path, answer.groups)
+            if picture.size != size:
+                raise VibeError(f"it has {picture.size} pixels instead of {size}")
         except VibeError as error:
             self._failures += 1
             self._over = self._failures >= _FAILURES
-            self._note(f"Without a Cycles picture for a while: {error.message.rstrip('.')}")
+            note = f"Without a Cycles picture for a while: {error.message.rstrip('.')}."
+            self.notes += [note] if note not in self.notes else []
             return None
+        path.unlink(missing_ok=True)
         self._failures = 0
         self.seconds.append(answer.seconds)
         if answer.seconds > LONGEST:
             self._over = True
-            self._note(f"A small Cycles picture takes {answer.seconds:.0f} s here, too long for more of them")
+            self.notes.append(f"A small Cycles picture takes {answer.seconds:.0f} s here, too long for more of them.")
         return picture
-
-    def _load(self, answer: messages.Anchored, size: tuple[int, int]) -> CyclesPicture:
-        """The image of an answer; raises VibeError if the answer has an error or an image of another size."""
-        if answer.error:
-            raise VibeError(answer.error, "")
-        path = Path(self._scene.folder) / answer.picture
-        picture = CyclesPicture.load(path, answer.groups)
-        if picture.size != size:
-            raise VibeError(f"it has {picture.size} pixels instead of {size}", "")
-        path.unlink(missing_ok=True)
-        return picture
-
-    def _note(self, text: str) -> None:
-        if f"{text}." not in self.notes:
-            self.notes.append(f"{text}.")
 
 
 PictureSource = Callable[[dict[str, list[float]], tuple[int, int]], CyclesPicture | None]
@@ -256,13 +248,9 @@ class ShotState:
 
     def planned(self, plan: Plan) -> ShotState:
         """The shot with the vector's values for parameters that the plan lets move, also where its own scene has other values."""
-        named = {
-            own
-            for own, key in self.names.items()
-            if plan[key].prior < 1.0
-            and not self.vector.instances[own].locked
-            and not alike(self.scene.instances[own].value, self.vector.instances[own].value)
-        }
+        theirs, shared = self.scene.instances, self.vector.instances
+        free = (own for own, key in self.names.items() if plan[key].prior < 1.0 and not shared[own].locked)
+        named = {own for own in free if not alike(theirs[own].value, shared[own].value)}
         if named <= self.vector.taken:
             return self
         # The last anchor shows other values than u now stands for, so a new one is needed.
@@ -294,12 +282,10 @@ def gathered(
     """The vector that the shots of a vibe share, and the shots; raises VibeError if a group or a lock names nothing."""
     instances, names = shared_parameters(views, ("camera", "film") if options.grade_each else ("camera",))
     vector = ParameterVector(lock(instances, options.groups, options.lock, options.camera))
-    vector = vector.taking(added_values(views[0].scene))
-    vector.links = tuple(views[0].scene.links)
+    vector = vector.taking(added_values(views[0].scene), views[0].scene.links)
     shots = []
     for view, mine in zip(views, names, strict=True):
-        own = vector.view(mine).taking(added_values(view.scene))
-        own.links = tuple(view.scene.links)
+        own = vector.view(mine).taking(added_values(view.scene), view.scene.links)
         shot = ShotState(view.scene, mine, own, proxy(view.scene), view.source)
         shots.append(shot.reminded(view.known) if view.known else shot)
     return vector, shots
@@ -315,9 +301,8 @@ def shared_parameters(
     """
     shared: dict[str, Instance] = {}
     files: dict[str, str] = {}
-    names = []
-    for number, view in enumerate(views, start=1):
-        mine = {}
+    names: list[dict[str, str]] = [{} for _ in views]
+    for number, (view, mine) in enumerate(zip(views, names, strict=True), start=1):
         for key, instance in view.scene.instances.items():
             if number > 1 and instance.parameter.group in own:
                 instance = replace(instance, owner=f"shot {number}")
@@ -325,9 +310,7 @@ def shared_parameters(
             first = shared.setdefault(instance.key, instance)
             moves = files.setdefault(instance.key, view.file) == view.file and not alike(first.value, instance.value)
             reason = first.locked or instance.locked or (MOVES if moves else "")
-            if reason != first.locked:
-                shared[instance.key] = replace(first, locked=reason)
-        names.append(mine)
+            shared[instance.key] = replace(first, locked=reason)
     return shared, names
 
 
@@ -368,8 +351,7 @@ def lock(
 
 def picture_size(resolution: tuple[int, int], longest: int) -> tuple[int, int]:
     """(width, height) in pixels of the artist's image, scaled so that the longer side has `longest` pixels."""
-    factor = longest / max(resolution)
-    width, height = (max(round(n * factor), 1) for n in resolution)
+    width, height = (max(round(n * (longest / max(resolution))), 1) for n in resolution)
     return width, height
 
 

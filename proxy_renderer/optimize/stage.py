@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The stage of a vibe: the words, read once against the scene, and the scene with the lights that the words ask for."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ..claims.claim import Claim
@@ -16,7 +16,7 @@ from ..planning.types import LightPlan
 from ..rigs.chosen import chosen_rig
 from ..rigs.lighting import OFF, Lighting, lighting
 from ..scene import SceneData
-from ..schema import Instance, VibeError, matches, sentences
+from ..schema import VibeError, matches, sentences
 from ..schema.added_lights import ADDED_LIGHTS, light_name
 from ..schema.light_links import LINKED, LightLink
 from ..schema.messages import Options
@@ -79,30 +79,31 @@ def set_stage(
     understood = Understood(prompt, described(*scenes), target)
     if anew and (added := _about_added(understood)):
         understood = Understood(prompt, described(*scenes), [*target, *added])
-    scenes = [scene.with_copies(understood.scene.copies) for scene in scenes]
+    staged = [scene.with_copies(understood.scene.copies) for scene in scenes]
     goals = written.within(understood.scene) if written else goals_or_why(understood)
     if isinstance(goals, VibeError):
-        return StagedScenes(list(scenes), understood, goals)
+        return StagedScenes(staged, understood, goals)
     vocabulary = default_vocabulary()
     if goes_on:
         goals = further(goals, vocabulary, factor, compared)
     if chosen := chosen_rig(goals, rig_table(), vocabulary, anew):
-        rig = lighting(scenes, goals.parsed, chosen, new_lights)
+        rig = lighting(staged, goals.parsed, chosen, new_lights)
         return StagedScenes(rig.scenes, understood, goals, rig)
 
     # No rig: lights and a backdrop that single words need
-    first = scenes[0]
-    spare = [ADDED_LIGHTS[light.name] for light in first.standby.lights if light.name in _SPARE]
-    roles = {light.name: light.role for light in spare}
-    instances = dict(first.instances)
+    roles = {x.name: ADDED_LIGHTS[x.name].role for x in staged[0].standby.lights if x.name in _SPARE}
+    instances = dict(staged[0].instances)
     names = missing_lights(goals, instances, understood.scene, roles, vocabulary) if new_lights else []
     parts = asks_for_backdrop(goals, instances, understood.scene, vocabulary)
-    if parts and all(scene.may_have_backdrop for scene in scenes):
-        scenes = [scene.with_backdrop() for scene in scenes]
-    scenes = [scene.with_lights(names) if names else scene for scene in scenes]
-    if goes_on:  # the added lights are off in the image that the sentence goes on from
-        scenes = [replace(scene, instances=_unlit(scene.instances, names)) for scene in scenes]
-    return StagedScenes(list(scenes), understood, goals)
+    if parts and all(scene.may_have_backdrop for scene in staged):
+        staged = [scene.with_backdrop() for scene in staged]
+    staged = [scene.with_lights(names) if names else scene for scene in staged]
+    for n, scene in enumerate(staged if goes_on else ()):
+        # The added lights are off in the image that the sentence goes on from.
+        power = {k: i for k, i in scene.instances.items() if i.owner in names and i.parameter.family == "light/power"}
+        off = {key: replace(i, value=(OFF * i.reference,)) for key, i in power.items()}
+        staged[n] = replace(scene, instances={**scene.instances, **off})
+    return StagedScenes(staged, understood, goals)
 
 
 def _about_added(understood: Understood) -> list[str]:
@@ -110,19 +111,9 @@ def _about_added(understood: Understood) -> list[str]:
     added = [word.target for word in understood.words if word.target in _ADDED]
     if len(added) != 1:
         return []
-    vocabulary = default_vocabulary()
-    tones = {
-        a.word
-        for a in understood.parsed.attributes
-        if a.kind == "tone" and not (a.cause or compares(a, (), vocabulary))
-    }
-    return [f"{w.key}={added[0]}" for w in understood.words if w.text in tones and not w.thing]
-
-
-def _unlit(instances: Mapping[str, Instance], names: Collection[str]) -> dict[str, Instance]:
-    """Parameters in which the power of the named lights is nearly zero."""
-    power = {k: i for k, i in instances.items() if i.owner in names and i.parameter.family == "light/power"}
-    return {**instances, **{key: replace(i, value=(OFF * i.reference,)) for key, i in power.items()}}
+    tones = [a for a in understood.parsed.attributes if a.kind == "tone" and not a.cause]
+    said = {tone.word for tone in tones if not compares(tone, (), default_vocabulary())}
+    return [f"{w.key}={added[0]}" for w in understood.words if w.text in said and not w.thing]
 
 
 def linked(stage: StagedScenes, options: Options) -> StagedScenes:
@@ -130,9 +121,10 @@ def linked(stage: StagedScenes, options: Options) -> StagedScenes:
     if isinstance(stage.goals, VibeError):
         return stage
     notes, scenes = stage.goals.parsed.notes, list(stage.scenes)
+    held = bool(options.groups) and LINKED.group not in options.groups
     for said in stage.goals.parsed.links:
         names = {name for scene in scenes for name in _lights(said, scene, stage)}
-        free = {name for name in names if not _is_locked(name, options)}
+        free = {name for name in names if not (held or matches(f"light/{name}/{LINKED.name}", options.lock))}
         if not free:
             why = "it is locked" if names else f"there is no {said.role} light"
             notes.append(f"'{said.text}' is not used: {why}.")
@@ -151,8 +143,3 @@ def _lights(said: SaidLink, scene: SceneData, stage: StagedScenes) -> list[str]:
     own = [x.name for x in scene.lights if not x.added and x.name in said.lights]
     parts = [name for name, part in playing.items() if part == said.role]
     return [*own, *added] or parts or [x.name for x in scene.lights if x.role == said.role]
-
-
-def _is_locked(light: str, options: Options) -> bool:
-    held = bool(options.groups) and LINKED.group not in options.groups
-    return held or matches(f"light/{light}/{LINKED.name}", options.lock)

@@ -33,11 +33,11 @@ class ParameterVector:
         for key, instance in self.instances.items():
             self.slices[key] = slice(self.size, self.size + instance.parameter.components)
             self.size += instance.parameter.components
-        each = [i for i in self.instances.values() for _ in range(i.parameter.components)]
-        self._lower = _stack(i.lower for i in self.instances.values())
-        self._upper = _stack(i.upper for i in self.instances.values())
-        self._log = torch.tensor([i.parameter.scale.name == "log" for i in each])
-        self._exponent = torch.tensor([i.parameter.scale.exponent for i in each], dtype=torch.float64)
+        each = [(i, n) for i in self.instances.values() for n in range(i.parameter.components)]
+        self._lower = torch.tensor([i.lower[n] for i, n in each], dtype=torch.float64)
+        self._upper = torch.tensor([i.upper[n] for i, n in each], dtype=torch.float64)
+        self._log = torch.tensor([i.parameter.scale.name == "log" for i, _ in each])
+        self._exponent = torch.tensor([i.parameter.scale.exponent for i, _ in each], dtype=torch.float64)
         # keys whose values are written even if they did not move: those of added lights and, in a further shot,
         # values that the plan lets move and in which its scene differs from the first shot
         self.taken: frozenset[str] = frozenset()
@@ -53,10 +53,11 @@ class ParameterVector:
         shown.taken = frozenset()
         return shown
 
-    def taking(self, keys: Iterable[str]) -> ParameterVector:
-        """The same vector with these keys added to `taken`."""
+    def taking(self, keys: Iterable[str], links: Iterable[str] | None = None) -> ParameterVector:
+        """The same vector with these keys added to `taken`, and with other light links if they are given."""
         other = copy(self)
         other.taken = self.taken.union(keys)
+        other.links = self.links if links is None else tuple(links)
         return other
 
     def encode(self, values: Mapping[str, Sequence[float]]) -> Tensor:
@@ -119,8 +120,7 @@ class ParameterVector:
         rows = {}
         for key, part in self.slices.items():
             i = self.instances[key]
-            bounds = zip(u[part].tolist(), i.lower, i.upper, strict=True)
-            rows[key] = tuple(i.parameter.scale.from_unit(x, low, high) for x, low, high in bounds)
+            rows[key] = tuple(map(i.parameter.scale.from_unit, u[part].tolist(), i.lower, i.upper))
         return rows
 
     def mark(self, keys: Iterable[str]) -> Tensor:
@@ -136,12 +136,10 @@ class ParameterVector:
         A key without a range may take any value within its hard bounds; a locked key stays at the artist's value. A range outside of
         the hard bounds becomes the nearest bound.
         """
-        lower, upper = {}, {}
-        for key, instance in self.instances.items():
-            low, high = ranges.get(key, (instance.lower, instance.upper))
-            lower[key], upper[key] = (instance.value, instance.value) if instance.locked else (low, high)
-        u_lower, u_upper = self.encode(lower), self.encode(upper)
-        return torch.minimum(u_lower, u_upper), torch.maximum(u_lower, u_upper)
+        free = {key: instance for key, instance in self.instances.items() if not instance.locked}
+        own = {key: ranges.get(key, (instance.lower, instance.upper)) for key, instance in free.items()}
+        lower, upper = (self.encode({key: ends[side] for key, ends in own.items()}) for side in (0, 1))
+        return torch.minimum(lower, upper), torch.maximum(lower, upper)
 
 
 def project(u: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
@@ -195,7 +193,3 @@ def nearest_turn(instance: Instance, lower: Values, upper: Values, value: Values
 
     shift = min((0.0, -_TURN, _TURN), key=distance)
     return (lower[0] + shift,), (upper[0] + shift,)
-
-
-def _stack(rows: Iterable[Values]) -> Tensor:
-    return torch.tensor([v for row in rows for v in row], dtype=torch.float64)

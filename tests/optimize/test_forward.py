@@ -105,7 +105,8 @@ def test_what_supports_the_words_is_not_moved_for_a_finish(begun):
     objective, now = begun
     chosen = objective.vector.mark(objective.free) & (now.upper > now.lower)
     supports = objective._supports[chosen]
-    free, held = objective._slopes(now.u, chosen), objective.slopes(now.u, chosen)
+    free = forward_slopes(objective.seen, objective.judge, now.u, chosen, (now.lower, now.upper))
+    held = objective.slopes(now.u, chosen)
     rows = held.here.finish[:, None] & supports
     assert rows.any()
     assert not held.values[rows].any()
