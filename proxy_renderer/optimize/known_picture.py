@@ -57,8 +57,9 @@ class KnownPicture:
 
 def _without_values(light: Light) -> Light:
     """A light without what its parameters decide, as position and role."""
-    free = {"position": (0.0, 0.0, 0.0), "added": False, "role": "", "use_temperature": False}
-    return light if light.fixed else replace(light, **free)
+    if light.fixed:
+        return light
+    return replace(light, position=(0.0, 0.0, 0.0), added=False, role="", use_temperature=False)
 
 
 def alike(one: Any, other: Any) -> bool:

@@ -151,10 +151,7 @@ class LinearModel:
         return 1.0 - float(rest.norm()) / length
 
     def corrected(self, seen: Assessment, move: Tensor) -> LinearModel:
-        """The model at x with nonzero slopes changed to agree with the assessment at x + move (Broyden 1965, Schubert 1970).
-
-        The move (n,) is not zero.
-        """
+        """The model at x, its slopes changed to agree with an assessment at x + move ≠ x (n,) (Broyden 1965, Schubert 1970)."""
         along = move / move.square().sum()
         moved = (self.slopes != 0) * move  # (M, n)
         missing = seen.values - self.here.values - self.slopes @ move
@@ -233,7 +230,11 @@ def solve(
                 seen = objective.assess(project(place(x + move), lower, upper))
             loss = seen.loss(seen.values, seen.rest, objective.claim_weight)
             share = (found.loss - loss) / predicted if math.isfinite(loss) else -math.inf
-            radius = _resized(radius, share, float(move.abs().max()))
+            length = float(move.abs().max())
+            if share < _BAD:
+                radius = 0.4 * length
+            elif share > _GOOD:
+                radius = max(radius, min(2.0 * length, 1.0))
             found.steps += 1
             if share > 0.0:
                 model, x, fresh = model.moved(seen, move), x + move, False
@@ -257,13 +258,6 @@ def linearize(objective: ClaimObjective, u: Tensor, chosen: Tensor, span: Tensor
     """The linear model at u (N,) of the n chosen components (N,); its moves are shares of their ranges `span` (n,)."""
     here, values, rest = objective.slopes(u, chosen)
     return LinearModel(here, values * span, rest * span, objective.stiffness(chosen), objective.claim_weight)
-
-
-def _resized(radius: float, share: float, length: float) -> float:
-    """The trust region's next radius, after a step of this length that achieved this share of the predicted decrease."""
-    if share < _BAD:
-        return 0.4 * length
-    return max(radius, min(2.0 * length, 1.0)) if share > _GOOD else radius
 
 
 @dataclass

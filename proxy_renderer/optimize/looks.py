@@ -43,10 +43,6 @@ class Looks:
         ranges = feasible_ranges(advice.plan, vector.instances, vector.values(home))
         return project(start_point(vector, advice.plan, home), *vector.bounds(ranges)), advice
 
-    def values(self, u: Tensor) -> EarlyLook:
-        """The look of u (N,) without an image."""
-        return EarlyLook(self._shot.vector.changes(u), None, {})
-
     def drawn(self, u: Tensor, claims: tuple[Claim, ...], shot: ShotState | None = None) -> EarlyLook:
         """The look of u (N,) with its image, drawn by a `shot` whose proxy is corrected; None for the uncorrected proxy."""
         shot = shot or self._shot

@@ -39,11 +39,9 @@ _Judge = Callable[[Sequence[Render], Tensor], Assessment]  # of all shots at a p
 
 
 class RoundObjective:
-    """The function that a round minimizes, see `least_squares.ClaimObjective`.
+    """The function that a round minimizes, see `least_squares.ClaimObjective`; the shots `seen` draw and judge images.
 
     Args:
-        seen: The shots, which draw and judge images.
-        plan: Has the starts and weights of the pull to the artist's values or to words' starts, and which hues are free.
         free: Keys that gradients go to. If the camera is not among them, visibility is not differentiated.
         box: Lower and upper corner of the feasible box, each (N,).
         differences: Whether slopes are computed by differences.
@@ -62,8 +60,7 @@ class RoundObjective:
         self.seen, self.vector, self.free = seen, vector, set(free)
         self.claim_weight = weights.claims
         self._box, self._weights, self._differences = box, weights, differences
-        lower, upper = box
-        self._span = (upper - lower).clamp_min(1e-9)
+        self._span = (box[1] - box[0]).clamp_min(1e-9)
         self._moves = self._moves_camera(self.free)
 
         # Each component's pull home: the point, and the weight in [0, 1], which is 0 if words name a range
@@ -72,22 +69,18 @@ class RoundObjective:
         self._pull = torch.zeros_like(artist)
         for key in free:
             self._pull[vector.slices[key]] = plan[key].prior if plan[key].start is None else _NAMED
-        scene = {key for key in free if vector.instances[key].parameter.group != "material"}
+        parameters = {key: vector.instances[key].parameter for key in sorted(free)}
+        scene = [key for key, p in parameters.items() if p.group != "material"]
         self._supports = vector.mark(key for key in scene if not plan[key].is_named)
 
         # Colors keep their hue
         unnamed = (self._pull > 0.0) & (self._home == artist)
         gray = torch.zeros_like(unnamed)
-        colors = [
-            vector.slices[key]
-            for key in sorted(free)
-            if vector.instances[key].parameter.components == 3 and not plan[key].any_hue
-        ]
+        colors = [vector.slices[k] for k, p in parameters.items() if p.components == 3 and not plan[k].any_hue]
         for part in colors:
             gray[part] = all(float(end[part].max() - end[part].min()) < _GRAY for end in box)
-        self._hued = (upper - lower > 1e-9) * (1.0 + _UNNAMED * unnamed + _BETWEEN_GRAYS * gray)
-        rows = [[part.start + i for i in range(3)] for part in colors]
-        self._colors = torch.tensor(rows).view(-1, 3).long()
+        self._hued = (box[1] - box[0] > 1e-9) * (1.0 + _UNNAMED * unnamed + _BETWEEN_GRAYS * gray)
+        self._colors = torch.tensor([[*range(part.start, part.stop)] for part in colors]).view(-1, 3).long()
 
     def render(self, u: Tensor, shot: int) -> Render:
         """The proxy's image of u (N,) in a shot (from 0), differentiable in the free keys."""
@@ -102,8 +95,9 @@ class RoundObjective:
         similar = [self._similar(picture, fixed_views(), n).values() for n, picture in enumerate(pictures)]
         total = sum(itertools.chain(*similar), pictures[0].display.new_zeros(()))
         rows = [row for shot, picture in zip(self.seen, pictures, strict=True) for row in shot.aims(picture)]
-        values, lower, upper = (torch.cat([u.new_zeros(0), *(row[i].to(u) for row in rows)]) for i in (1, 2, 3))
-        numbers = [torch.full(row[1].shape, number) for number, row in enumerate(rows)]
+        aims = [row[1:] for row in rows]
+        values, lower, upper = (torch.cat([u.new_zeros(0), *(row[i].to(u) for row in aims)]) for i in range(3))
+        numbers = [torch.full(row[0].shape, number) for number, row in enumerate(aims)]
         claim = torch.cat([torch.zeros(0).long(), *numbers])
         finish = torch.tensor([MEASURES[each.measure].of_finish for each, *_ in rows]).bool()[claim]
         rest = total.to(u) / len(self.seen) + self.held(u)
@@ -111,12 +105,9 @@ class RoundObjective:
 
     def account(self, u: Tensor) -> dict[str, dict[str, float]]:
         """{"terms": {term: its weighted value at u (N,), as a mean over the shots}}, for the report."""
-        terms = []
-        for number, shot in enumerate(self.seen):
-            with torch.no_grad():
-                found = self.terms(shot.draw(u), fixed_views(), number)
-            terms.append({name: float(value) for name, value in found.items()})
-        return {"terms": {name: round(sum(row[name] for row in terms) / len(terms), 4) for name in terms[0]}}
+        with torch.no_grad():
+            rows = [self.terms(shot.draw(u), fixed_views(), number) for number, shot in enumerate(self.seen)]
+        return {"terms": {name: round(sum(float(row[name]) for row in rows) / len(rows), 4) for name in rows[0]}}
 
     def terms(self, picture: Render, generator: torch.Generator, shot: int) -> dict[str, Tensor]:
         """The weighted terms of the loss for an image of a shot (from 0), differentiable in the image."""
@@ -188,8 +179,8 @@ def backward_slopes(assess: Callable[[Tensor], Assessment], u: Tensor, chosen: T
 def gradients(found: Assessment, leaves: Sequence[Tensor], together: bool = False) -> list[Tensor]:
     """For each leaf, (M + 1, ...) the gradients of the M values and, last, of the rest.
 
-    They are 0 for values so far inside of their aims that no step leads out. If `together`, backward passes run in batches, which
-    need no more kernel launches on a GPU than one pass.
+    They are 0 for values so far inside of their aims that no step leads out. If `together`, backward passes run in batches: on a GPU
+    a batch needs no more kernel launches than one pass.
     """
     near_end = (found.values < found.lower + _NEAR) | (found.values > found.upper - _NEAR)
     rows = [*found.values.unbind(), found.rest]
@@ -315,12 +306,7 @@ class _ForwardShot:
         return self._proxy.develop(latent, values)
 
     def add(self, slopes: Tensor, gradients: Sequence[Tensor], move: Tensor) -> None:
-        """Adds the slopes of the scene's parameters to slopes (M + 1, N), in place.
-
-        Args:
-            gradients: For each leaf (M + 1, ...) the gradients of the values and of the rest.
-            move: (N,) by which each component is moved to see how the leaves change.
-        """
+        """Adds slopes of the scene's parameters to slopes (M + 1, N), from gradients for each leaf and a move (N,) of the parameters."""
         moved = self._shot.vector.along(self._u, move)
         for key in sorted(self._scene):
             part = self._shot.vector.slices[key]

@@ -112,11 +112,9 @@ class RoundEnd:
     u: Tensor  # (N,) the point
     shots: Sequence[ShotState]  # with their proxies corrected at u
     missed: Missed  # distance of the corrected images from the words' claims
-    loss: float  # at u, before the correction
     confined: Confined  # the round's plan and ranges
     record: dict[str, Any]  # for the report, see `Outcome.rounds`
-    settled: bool  # whether the steps have hardly lowered the loss
-    descent: Descent  # the result of the inner steps
+    descent: Descent  # the result of the inner steps, with the loss before the correction
 
     @classmethod
     def seen(cls, search: Search, now: Confined, chosen: Selection, descent: Descent, seconds: float) -> RoundEnd:
@@ -133,9 +131,7 @@ class RoundEnd:
         }
         shots, missed = search.seen(now.shots, descent.u, now.here.number)
         record["missed"] = missed._asdict()
-        settled = descent.start_loss - descent.loss < CONVERGED * abs(descent.start_loss)
-        now = replace(now, plan=chosen.with_reasons(now.plan))
-        return cls(descent.u, shots, missed, descent.loss, now, record, settled, descent)
+        return cls(descent.u, shots, missed, replace(now, plan=chosen.with_reasons(now.plan)), record, descent)
 
 
 def nearest(ends: Sequence[RoundEnd]) -> RoundEnd:
@@ -145,17 +141,15 @@ def nearest(ends: Sequence[RoundEnd]) -> RoundEnd:
 
 def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
     """The round that follows the last of these ends; None if no further round is worth it, or none is left."""
-    last, best = ends[-1], nearest(ends)
-    here = last.confined.here
-    share, opening = here.share, here.opening
-    has_claims = claims_words(last.shots)
+    last, best, has_claims = ends[-1], nearest(ends), claims_words(ends[-1].shots)
     if len(ends) == search.rounds or not last.record["parameters"] or search.clock.stopped:
         return None
     if (has_claims and not last.missed.claims) or is_stuck(search, ends):
         return None
 
     # Ranges open while claims are missed. If wider ranges led astray, the plan's own ranges return.
-    astray = best is not last
+    here = last.confined.here
+    share, opening, astray = here.share, here.opening, best is not last
     too_wide = astray and opening > 0.0
     if has_claims and here.start.drawn is None:
         opening = 0.0 if too_wide else min(opening + OPENING, WIDEST)
@@ -169,8 +163,10 @@ def is_stuck(search: Search, ends: Sequence[RoundEnd]) -> bool:
     if len(ends) == 1:
         return False
     last, best, before = ends[-1], nearest(ends), nearest(ends[:-1]).missed
-    if last.settled or best is not last:
-        return last.settled or all(end.missed > best.missed for end in ends[-PATIENCE:])
+    if last.descent.start_loss - last.descent.loss < CONVERGED * abs(last.descent.start_loss):
+        return True
+    if best is not last:
+        return all(end.missed > best.missed for end in ends[-PATIENCE:])
     worth = WORTH_LIKE if search.reference and search.reference.same else WORTH
     gain = before.distance - last.missed.distance
     return last.missed.claims >= before.claims and gain < worth * before.distance
@@ -197,16 +193,10 @@ def least_change(search: Search, ends: Sequence[RoundEnd]) -> RoundEnd:
 
 
 def eased(search: Search, shots: Sequence[ShotState], plan: Plan, u: Tensor) -> Tensor | None:
-    """A point whose supporting parameters are as near to the artist's values as the claims allow, by the proxy's images.
+    """A point (N,) like u whose supporting parameters are as near to the artist's values as the claims allow; None if none is nearer.
 
     A round's steps may move them farther than the claims need. A dark car may need a little more light to be told from its floor,
-    and gets a white floor in glaring light, because no claim contradicts that.
-
-    Args:
-        u: (N,) the point to start from, at which the shots are corrected.
-
-    Returns:
-        (N,) a point at which no claim is noticeably farther from its aim; None if nothing is gained.
+    and gets a white floor in glaring light, because no claim contradicts that. The proxies, corrected at u, predict the claims.
     """
     if search.pictured:  # with a reference image all values may move freely
         return None
@@ -247,7 +237,7 @@ def outcome_of(search: Search, start: Start, ends: Sequence[RoundEnd], best: Rou
         prompts=best.confined.advice.prompts,
         claims=search.claims,
         shots=best.shots,
-        loss=best.loss,
+        loss=best.descent.loss,
         rounds=records,
         descent=best.descent,
         reference=search.reference,

@@ -102,11 +102,9 @@ class ParameterVector:
         moved, raw = (u.detach() - self._home).abs() > 1e-9, self.plain(u)
         out: dict[str, Values] = {}
         for key, part in self.slices.items():
-            instance = self.instances[key]
-            limits = raw[key], instance.lower, instance.upper
-            new = [min(max(float(f"{v:.6g}"), low), high) for v, low, high in zip(*limits, strict=True)]
-            components = zip(new, instance.value, moved[part].tolist(), strict=True)
-            out[key] = tuple(v if m else old for v, old, m in components)
+            i = self.instances[key]
+            rows = zip(raw[key], i.lower, i.upper, i.value, moved[part].tolist(), strict=True)
+            out[key] = tuple(min(max(float(f"{v:.6g}"), low), high) if m else own for v, low, high, own, m in rows)
         return out
 
     def changes(self, u: Tensor) -> dict[str, Values]:
@@ -131,11 +129,7 @@ class ParameterVector:
         return marked
 
     def bounds(self, ranges: Mapping[str, tuple[Values, Values]]) -> tuple[Tensor, Tensor]:
-        """The lower and upper corner (N,) of the feasible box in u: the plan's ranges within the hard bounds and the locks.
-
-        A key without a range may take any value within its hard bounds; a locked key stays at the artist's value. A range outside of
-        the hard bounds becomes the nearest bound.
-        """
+        """The lower and upper corner (N,) of the feasible box: the ranges by key, else the hard bounds; locks hold the artist's values."""
         free = {key: instance for key, instance in self.instances.items() if not instance.locked}
         own = {key: ranges.get(key, (instance.lower, instance.upper)) for key, instance in free.items()}
         lower, upper = (self.encode({key: ends[side] for key, ends in own.items()}) for side in (0, 1))
@@ -162,8 +156,8 @@ def around(u: Tensor, lower: Tensor, upper: Tensor, share: float) -> tuple[Tenso
 def opened(lower: Tensor, upper: Tensor, share: Tensor, own: Tensor) -> tuple[Tensor, Tensor]:
     """The corners, each (N,), of a box whose ranges open by a share (N,) of their width at both ends, within the hard bounds.
 
-    An infinite share opens a range fully. A range narrower than `_NARROW` opens as if it had that width. A range does not open beyond
-    the artist's point `own` (N,) outside of it: "more contrast" never becomes less than the artist's.
+    A range narrower than `_NARROW` opens as if it had that width. A range does not open beyond the artist's point `own` (N,) outside
+    of it: "more contrast" never becomes less than the artist's.
     """
     margin = torch.where(share > 0.0, share * (upper - lower).clamp_min(_NARROW), 0.0)
     low = torch.where(own < lower, torch.maximum(lower - margin, own), lower - margin)

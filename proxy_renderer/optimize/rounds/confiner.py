@@ -103,36 +103,28 @@ class Confiner:
         self, advice: Advice, u: Tensor, here: RoundStart, shots: Sequence[ShotState], claims: Sequence[Claim]
     ) -> Confined:
         """The round of an advice: its plan, the ranges, their box, and u (N,) projected into the box."""
-        drawn, plan = here.start.drawn, Plan({**advice.plan, **here.start.turned}, advice.plan.notes)
-        ranges = self._ranges(plan, u, here.opening, claims)
-        lower, upper = self._vector.bounds(ranges)
-        if drawn is not None:
-            near = around(here.start.u, lower, upper, _NEAR)
-            lower, upper = torch.where(drawn, near[0], lower), torch.where(drawn, near[1], upper)
-        lower, upper = around(u, lower, upper, here.share)
-        u = project(u, lower, upper)
-        return Confined(advice, plan, ranges, lower, upper, u, shots, here)
-
-    def _ranges(
-        self, plan: Plan, u: Tensor, opening: float, claims: Sequence[Claim]
-    ) -> dict[str, tuple[Values, Values]]:
-        """The plan's ranges at u (N,). Ranges that words name open by `opening`; sizes of lights stay below surfaces nearby."""
-        vector = self._vector
+        drawn, vector = here.start.drawn, self._vector
+        plan = Plan({**advice.plan, **here.start.turned}, advice.plan.notes)
         ranges = feasible_ranges(plan, vector.instances, vector.values(u))
-        if opening:
-            # Ranges of finishes do not open: with a wider range a finish would not be what its word says.
+        if here.opening:
+            # Ranges that words name open, but not those of finishes: with a wider range a finish would not be what its word says.
             parameters = {key: vector.instances[key].parameter for key in plan}
             finishes = {k for k, p in parameters.items() if p.group == "material" and p.kind != "color"}
             named = {key for key, entry in plan.items() if entry.is_named and not entry.usual} - finishes
             measured = {f"film/{c.measure}" for c in claims if c.word and c.part == "picture"}
-            whole = [key for key in named if vector.instances[key].parameter.family in measured]
-            share = torch.where(vector.mark(named), opening, 0.0).masked_fill(vector.mark(whole), math.inf)
+            whole = [key for key in named if parameters[key].family in measured]
+            share = torch.where(vector.mark(named), here.opening, 0.0).masked_fill(vector.mark(whole), math.inf)
             low, high = map(vector.plain, opened(*vector.bounds(ranges), share, vector.encode({})))
             ranges |= {key: (low[key], high[key]) for key in named}
-        for key, widest in self._widest.items():
+        for key, widest in self._widest.items():  # lights do not grow into surfaces
             low_end, high_end = ((min(end[0], widest),) for end in ranges[key])
             ranges[key] = low_end, high_end
-        return ranges
+        lower, upper = vector.bounds(ranges)
+        if drawn is not None:
+            near = around(here.start.u, lower, upper, _NEAR)
+            lower, upper = torch.where(drawn, near[0], lower), torch.where(drawn, near[1], upper)
+        lower, upper = around(u, lower, upper, here.share)
+        return Confined(advice, plan, ranges, lower, upper, project(u, lower, upper), shots, here)
 
 
 def carry(plan: Plan, earlier: Plan) -> Plan:

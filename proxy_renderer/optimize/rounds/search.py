@@ -14,14 +14,14 @@ from ...claims.measures.picture import is_black
 from ...goals.resolve import Goals
 from ...guidance.encoder import Encoder
 from ...guidance.guide import Guidance, claims_loss
-from ...planning.advice import Advice, Advisor
+from ...planning.advice import Advisor
 from ...reference.like import LikeAdvisor, Reference
 from ...render.proxy import Proxy, Render
 from ...scene import SceneData
 from ...schema import VibeError
 from ...schema.messages import Options
 from ..least_squares import Descent
-from ..looks import Looks
+from ..looks import EarlyLook, Looks
 from ..progress import Clock, Observer
 from ..shots import ShotInput, ShotState, gathered, inner_size
 from ..stage import StagedScenes
@@ -119,9 +119,8 @@ class Search:
         except VibeError:  # the first round raises the error again, unless its advisor understands the words
             return
         self.observer.begin(self.looks.before, True)  # whether Cycles' image is black is not known yet
-        self.observer.look(self.looks.values(u))
-        claims = self._stage.claims(advice.goals)
-        self.observer.look(self.looks.drawn(u, claims))
+        self.observer.look(EarlyLook(self.shots[0].vector.changes(u), None, {}))
+        self.observer.look(self.looks.drawn(u, self._stage.claims(advice.goals)))
 
     def show(self, shots: Sequence[ShotState], u: Tensor) -> None:
         """Shows the best look so far, at u (N,)."""
@@ -136,7 +135,11 @@ class Search:
         if begins := not self._artist:
             self.claims = self.method.claims(self._stage.claims(advice.goals))
             self._artist = [shot.draw(u) for shot in shots]
-        first, *others = self._equipped(shots, u, advice)
+        if self._asked != (asked := (advice.prompts, advice.unmeasured)):
+            self._asked, every = asked, bool(self.options.encoder)
+            self._guidance = [self.method.guidance(self._encoder, advice, image, every) for image in self._artist]
+        rows = zip(shots, self._artist, self._guidance, strict=True)
+        first, *others = (replace(shot.judged(self.claims, image, u), guidance=g) for shot, image, g in rows)
         shots = [first, *(shot.planned(advice.plan) for shot in others)]
         if not here.earlier and here.start.drawn is None:
             u = start_point(self.vector, advice.plan, u)
@@ -146,14 +149,6 @@ class Search:
             with torch.no_grad():
                 self.observer.begin(image, not (is_black(image) and is_black(shots[0].draw(now.u).display)))
         return now
-
-    def _equipped(self, shots: Sequence[ShotState], u: Tensor, advice: Advice) -> list[ShotState]:
-        """The shots at u (N,) with guidance by a round's advice; shots without claims get them."""
-        if self._asked != (asked := (advice.prompts, advice.unmeasured)):
-            self._asked, every = asked, bool(self.options.encoder)
-            self._guidance = [self.method.guidance(self._encoder, advice, image, every) for image in self._artist]
-        rows = zip(shots, self._artist, self._guidance, strict=True)
-        return [replace(shot.judged(self.claims, image, u), guidance=g) for shot, image, g in rows]
 
     def placed(self, now: Confined) -> Confined:
         """The round at the point where its steps begin, see `with_key_turned`, with the proxies corrected there."""
