@@ -39,8 +39,8 @@ _UNIT = re.compile(rf"{_EAST_ASIAN.pattern}|\s*(?:(?!{_EAST_ASIAN.pattern})\S)+"
 def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path, figures: bool) -> tuple[list[str], Image.Image]:
     """Draws the values found in shot `number` (from 0) by its full-size proxy, into its job folder.
 
-    With `figures`, and if there is an anchor, also draws the predictions without the last anchor and without any anchor.
-    Returns the keys of `PICTURES` that were drawn, and the share of each pixel that the subject covers, as an image.
+    With `figures`, and if there is an anchor, also draws the predictions without the last anchor and without any anchor. Returns the
+    keys of `PICTURES` that were drawn, and the share of each pixel that the subject covers, as an image.
     """
     anchor = outcome.shots[number].anchor
     corrections = {"shown": anchor.correction}
@@ -65,10 +65,7 @@ def predict_variants(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> 
 
 
 def difference(predicted: np.ndarray, after: np.ndarray, subject: np.ndarray) -> dict[str, float]:
-    """CIEDE2000 of a prediction and Cycles' render, both (H, W, 3), sRGB in [0, 1]: "mean", "p95" and mean over "subject".
-
-    `subject` (H, W) is the share of each pixel that the subject covers; without a subject, the last figure is missing.
-    """
+    """CIEDE2000 of two sRGB images (H, W, 3): "mean", "p95" and the mean over the "subject" with coverage (H, W), if there is one."""
     labs = (lab_from_srgb(torch.from_numpy(picture)) for picture in (predicted, after))
     errors = ciede2000(*labs).numpy()
     figures = {"mean": errors.mean(), "p95": np.percentile(errors, 95)}
@@ -103,10 +100,7 @@ def load_picture(path: Path | str, shape: tuple[int, int] | None = None) -> np.n
 
 
 def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str, fonts: Path) -> Image.Image:
-    """A sheet of labeled panels: `rows` of (label, image), above the prompt in at most four lines ("" for none).
-
-    All images of a row get the height of its first.
-    """
+    """A sheet of panels, `rows` of (label, image) with the height of the first, above the prompt in at most four lines ("" for none)."""
     title = font(26, prompt, fonts)
     label = font(18, "".join(name for row in rows for name, _ in row), fonts)
     sizes = [[_fitted(picture, _fitted(row[0][1])[1]) for _, picture in row] for row in rows]

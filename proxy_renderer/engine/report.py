@@ -84,10 +84,7 @@ def changed_values(outcome: Outcome, shot: ShotState | None = None) -> dict[str,
 
 
 def anchored(outcome: Outcome, blenders: Sequence[BlenderPictures]) -> dict[str, Any]:
-    """{"anchored": {"pictures", "predicted", "notes"}} on the anchors, which corrected the proxy of each shot.
-
-    `predicted` is the mean CIEDE2000 between the last anchor and the prediction before it; of several shots, their mean.
-    """
+    """{"anchored": {"pictures", "predicted", "notes"}} on the anchors; "predicted" is how far the last ones were from predictions."""
     pictures = []
     for shot, blender in zip(outcome.shots, blenders, strict=True):
         pairs = zip(shot.records, blender.seconds, strict=True)
@@ -127,15 +124,11 @@ _UNLIT = 0.005  # linear display value up to which a gray surface counts as reac
 
 
 def word_verdicts(outcome: Outcome, rows: Sequence[Mapping[str, Any]], seen: GBuffer) -> list[dict[str, str]]:
-    """A row for each word, and one with the word "" for each missed rule that holds for every image.
+    """A row for each word, and one with the word "" for each missed rule that holds for every image, from a shot's verdicts on claims.
 
-    A word's "state" is "visible", "already" (satisfied before the search), "unmeasured" or "missed". For a missed word,
-    "missing" compares the value with the wanted one, "why" gives the reason, and "unlock" the key of a value whose lock is
-    the reason, or "".
-
-    Args:
-        rows: Verdicts on the claims about a shot.
-        seen: G-buffer of the first shot with the values found.
+    A word's "state" is "visible", "already" (satisfied before the search), "unmeasured" or "missed". For a missed word, "missing"
+    compares the value with the wanted one, "why" gives the reason, and "unlock" the key of a value whose lock is the reason, or "".
+    `seen` is the G-buffer of the first shot with the values found.
     """
     goals, states, found = outcome.goals, word_states(rows), []
     vague = default_vocabulary().lists["unmeasured"]

@@ -36,25 +36,18 @@ _ANSWER_SECONDS = 600.0  # most that Blender may take to answer: it may be rende
 
 
 class Wire:
-    """The connection to the other side: it sends messages, and sorts those that arrive.
-
-    A thread reads, so that "stop" is heard while the loop runs.
-
-    Attributes:
-        inbox: Requests in order; None when the other side has gone.
-        anchored: Blender's answers to the engine's own requests.
-        asked: Requests to read a prompt; a thread of its own answers them without a delay.
-        stop: Set when the loop should end now.
-    """
+    """The connection to the other side: it sends messages, and sorts those that arrive."""
 
     def __init__(self, source: BinaryIO, sink: BinaryIO) -> None:
         self._source, self._sink = source, sink
         self._lock = threading.Lock()
+        # requests in order; None when the other side has gone
         self.inbox: queue.Queue[messages.Message | VibeError | None] = queue.Queue()
-        self.anchored: queue.Queue[messages.Anchored] = queue.Queue()
+        self.anchored: queue.Queue[messages.Anchored] = queue.Queue()  # answers to the engine's own requests
+        # requests to read a prompt; a thread of its own answers them without a delay
         self.asked: queue.Queue[messages.AskReadings] = queue.Queue()
-        self.stop = threading.Event()
-        threading.Thread(target=self._listen, daemon=True).start()
+        self.stop = threading.Event()  # set when the loop should end now
+        threading.Thread(target=self._listen, daemon=True).start()  # hears "stop" while the loop runs
 
     def send(self, message: messages.Message) -> None:
         """Writes one message; quietly gives up when nobody listens any more."""
@@ -200,10 +193,7 @@ def _error(request: messages.Message | VibeError, error: Exception) -> messages.
 
 
 def _vibe(wire: Wire, request: messages.Vibe, known: KnownPicture | None) -> EngineSession:
-    """Carries out one vibe and sends its result; images are drawn before the result is sent if the panel shows looks.
-
-    `known` is the last anchor of the vibe before, with which a further sentence begins.
-    """
+    """Carries out one vibe and sends its result; a further sentence begins with the image `known`, the last anchor of the vibe before."""
     check_schema(request.schema, "add-on")
     options = messages.Options.from_dict(request.options)
     job = Path(request.job)
@@ -214,7 +204,7 @@ def _vibe(wire: Wire, request: messages.Vibe, known: KnownPicture | None) -> Eng
     shots = request.shots or [messages.Shot(request.job, "", "")]
     session = EngineSession(shots, request.prompt, options, observer, request.vlm_key, known)
     result = session.run()
-    if request.looks:
+    if request.looks:  # the panel shows the prediction
         observer.stage("drawing the prediction")
         session.draw()
     wire.send(result)
@@ -263,10 +253,9 @@ def _warm_up() -> None:
 
 
 def keep_freed_memory() -> None:
-    """Has glibc keep up to 1 GiB of freed memory; on systems other than Linux nothing changes.
+    """Has glibc, on Linux, keep up to 1 GiB of freed memory.
 
-    By default an array over 32 MB is returned to the system as soon as it is freed, and the pages of the next one are
-    cleared again. A step at 2048² pixels took twice as long because of this.
+    By default it returns arrays over 32 MB, and clears the pages of the next: steps at 2048² pixels took twice as long.
     """
     if sys.platform == "linux" and hasattr(library := ctypes.CDLL(None), "mallopt"):
         for threshold in (-3, -1):  # M_MMAP_THRESHOLD and M_TRIM_THRESHOLD of mallopt(3)

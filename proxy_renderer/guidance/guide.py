@@ -26,17 +26,11 @@ def negative_loss(features: Tensor, texts: Tensor, margin: float) -> Tensor:
 
 
 def direction_loss(features: Tensor, start: Tensor, text: Tensor, plain: Tensor, least: float = 0.1) -> Tensor:
-    """1 − cos(ΔI, ΔT): the image should change in the direction in which the words differ from a plain caption.
+    """1 − cos(ΔI, ΔT): the image should change in the direction in which the words differ from a plain caption (StyleGAN-NADA).
 
-    An adversarial change, which makes the image similar to the words but like no image, has another direction
-    (StyleGAN-NADA).
-
-    Args:
-        features: Unit features of the image, (views, D).
-        start: Mean features (D,) of the starting image.
-        text: Unit features (1, D) of the words.
-        plain: Unit features (1, D) of the plain caption.
-        least: Length of ΔI at which the cosine counts half.
+    An adversarial change, which makes the image similar to the words but like no image, has another direction. `features` (views, D)
+    and `start`, the mean (D,), are those of two images, `text` and `plain`, (1, D) each, those of the captions. At the length `least`
+    of ΔI the cosine counts half.
     """
     moved = features.mean(0) - start
     length = (moved.square().sum() + 1e-8).sqrt()
@@ -57,12 +51,8 @@ def claims_loss(residuals: list[Tensor]) -> Tensor:
 def hue_consistency_loss(where: Tensor, colors: Tensor, weights: Tensor) -> Tensor:
     """Squared deviation of each color's components from a common place in their ranges, so that the color keeps its hue.
 
-    The range of a color is a box around the named color, and the corners of the box have other hues.
-
-    Args:
-        where: Place in [0, 1] of each of N components in its range, (N,).
-        colors: Indices (M, 3) of the components of M colors.
-        weights: Weight (N,) of each component; 0 for those that are fixed.
+    The range of a color is a box around the named color, and the corners of the box have other hues. `where` and `weights` (N,) are the
+    components' places in [0, 1], and weights, 0 for fixed ones; `colors` (M, 3) are the indices of the components of M colors.
     """
     place, weight = where[colors], weights[colors]
     middle = (place * weight).sum(1, keepdim=True) / weight.sum(1, keepdim=True).clamp_min(1.0)
@@ -109,10 +99,9 @@ class NoGuidance:
 
 
 class PromptGuidance:
-    """The objective for one prompt.
+    """The objective for one prompt; margins of equation 4 are calibrated on `start`, image (H, W, 3) and subject mask (H, W).
 
-    The margins of equation 4 are calibrated on `start`, image (H, W, 3) and subject mask (H, W) of the artist's scene:
-    the similarity of unrelated images and phrases differs between encoders.
+    For the similarity of unrelated images and phrases differs between encoders.
     """
 
     def __init__(self, encoder: Encoder, prompts: Prompts, start: tuple[Tensor, Tensor], weights: Weights) -> None:

@@ -30,10 +30,7 @@ class KnownPicture:
     picture: CyclesPicture
 
     def values_in(self, scene: SceneData) -> dict[str, Values] | None:
-        """The values of the image that differ from a scene's own, by key; they are powers and colors of lights alone.
-
-        None if anything else differs, for then the image does not show the scene.
-        """
+        """The values, by key, that differ from a scene's own: powers and colors of lights; None if anything else differs."""
         mine, theirs = ({light.name: light for light in each.lights} for each in (self.scene, scene))
         powers = (i for i in scene.instances.values() if i.parameter.family in BRIGHTNESS)
         unlit = theirs.keys() - mine.keys() - {i.owner for i in powers if i.value[0] > OFF * i.reference}

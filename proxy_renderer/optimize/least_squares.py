@@ -29,10 +29,7 @@ _PROGRESS = 1e-3  # predicted decrease up to which a step is not worth rendering
 
 @dataclass(frozen=True)
 class Assessment:
-    """The claims' values in the images of a point u, the intervals that are sought, and the other terms of the loss.
-
-    M is the number of all values: a claim has one or several.
-    """
+    """The claims' M values in the images of a point u, one or several for each claim, their aims, and the other terms of the loss."""
 
     values: Tensor  # (M,) of the claims' measures, in noticeable steps
     lower: Tensor  # (M,) lower ends of the aims, in noticeable steps
@@ -121,10 +118,7 @@ class LinearModel:
         )
 
     def gains(self, move: Tensor, parts: Mapping[str, slice], low: Tensor, high: Tensor) -> dict[str, float]:
-        """Part -> the predicted decrease of the loss if its components alone moved on from x + move (n,) within [low, high].
-
-        They move by one damped Newton step. A part is the slice of a parameter's components.
-        """
+        """Part (a parameter's slice) -> predicted decrease of the loss by one damped Newton step of it alone from x + move (n,)."""
         values, held = self.here.values + self.slopes @ move, self.stiffness @ move
         far = self.here.misses(values).clamp_min(1.0)[self.here.claim]
         missed = outside(values, self.here.lower, self.here.upper)

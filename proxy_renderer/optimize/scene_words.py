@@ -44,24 +44,23 @@ def described(*scenes: SceneData) -> SceneDescription:
     materials: dict[str, Region] = {}
     worn: dict[str, list[str]] = {}
     lights: dict[str, LightDescription] = {}
+    textures: dict[str, float] = {}  # mean luminance
     for scene in scenes:
         # Lights that the words have added are left out: the prompt is read as if they were not there.
         lights |= light_descriptions(scene, added=False)
         objects |= {o.name: "subject" if o.subject else "surroundings" for o in scene.objects}
         materials |= {m.name: "subject" if m.role == "subject" else "surroundings" for m in scene.materials}
+        textured = [(m.name, m.texture.image) for m in scene.materials if m.texture is not None]
+        textures |= {name: float(arrays.luminance(image).mean()) for name, image in textured}
         count = len(scene.materials)
         pairs = np.flatnonzero(np.bincount(scene.mesh.object * count + scene.mesh.material))
         for o, m in (divmod(pair, count) for pair in pairs.tolist()):
             names = worn.setdefault(scene.objects[o].name, [])
             names += [scene.materials[m].name] * (scene.materials[m].name not in names)
-    looks = present_looks(scenes[0]) if scenes else {}
+    first, rays, looks = scenes[0], _rays(scenes[0]), present_looks(scenes[0])
     dark = {name for name, look in looks.items() if not look.glows}  # emitters with a black color among them
     subjects = [name for name, region in objects.items() if region == "subject"]
-    sky = not scenes
-    if scenes:  # the sky is visible if the world fills 5 % of the surroundings
-        rays = _rays(scenes[0])
-        around = rays.count - sum(scenes[0].objects[o].subject for o in rays.object.tolist())
-        sky = around > 0 and rays.count - len(rays.object) >= 0.05 * around
+    around = rays.count - sum(first.objects[o].subject for o in rays.object.tolist())
     return SceneDescription(
         subject=subjects[0] if len(subjects) == 1 else "",
         objects=objects,
@@ -70,17 +69,13 @@ def described(*scenes: SceneData) -> SceneDescription:
         lights=lights,
         glows=tuple(dict.fromkeys(n for scene in scenes for n in glowing(scene) if n not in dark)),
         looks=looks,
-        sky=sky,
+        # the sky is visible if the world fills 5 % of the surroundings
+        sky=around > 0 and rays.count - len(rays.object) >= 0.05 * around,
         emitters={name: glow for scene in reversed(scenes) for name, glow in glows(scene).items()},
-        camera_azimuth=scenes[0].value("camera/azimuth", (0.0,))[0] if scenes else 0.0,
-        view=scenes[0].film.view if scenes else "AgX",
-        environment_luminance=mean_luminance(scenes[0].world.image if scenes else None),
-        texture_luminance={
-            m.name: float(arrays.luminance(m.texture.image).mean())
-            for scene in scenes
-            for m in scene.materials
-            if m.texture is not None
-        },
+        camera_azimuth=first.value("camera/azimuth", (0.0,))[0],
+        view=first.film.view,
+        environment_luminance=mean_luminance(first.world.image),
+        texture_luminance=textures,
     )
 
 
@@ -95,8 +90,8 @@ class _Rays:
     slope: np.ndarray  # (n,) z of the unit normal that faces the camera
 
 
+# Mesh in use -> folder of the last job with this mesh, and the rays of the job's camera
 _met: weakref.WeakKeyDictionary[SceneMesh, tuple[Path, _Rays]] = weakref.WeakKeyDictionary()
-"""Mesh in use -> folder of the last job with this mesh, and the rays of the job's camera."""
 
 
 def present_looks(scene: SceneData) -> dict[str, MaterialLook]:
@@ -141,12 +136,9 @@ def _rays(scene: SceneData) -> _Rays:
 def _glow(scene: SceneData, material: Material) -> Values | None:
     """The sRGB color with which a material's glow is displayed, clipped to 1; None if it does not glow."""
     strength = float(np.mean(scene.value(f"material/{material.name}/emission", 0.0)))
-    computed = material.maps.get("emission_color")
-    emitted = (
-        computed.image.reshape(-1, computed.image.shape[-1])[:, :3].mean(0).tolist()
-        if computed
-        else scene.value(f"material/{material.name}/emission_color", (0.0, 0.0, 0.0))
-    )
+    emitted = scene.value(f"material/{material.name}/emission_color", (0.0, 0.0, 0.0))
+    if computed := material.maps.get("emission_color"):
+        emitted = tuple(computed.image[..., :3].reshape(-1, 3).mean(0).tolist())
     brightest = max(emitted)
     if strength * brightest < _GLOWS:
         return None
@@ -195,11 +187,8 @@ def _structures(scene: SceneData, rays: _Rays) -> dict[str, list[int]]:
 
 
 def _parts(height: np.ndarray, slope: np.ndarray, scene: tuple[float, float, float]) -> Iterator[str]:
-    """Structures that a material may be, from the heights and slopes of its pixels.
-
-    `scene` is the scene's lowest height, its extent upward, and the height that the subject stands on.
-    """
-    low, tall, stands = scene
+    """Structures that a material may be, from the heights and slopes of its pixels."""
+    low, tall, stands = scene  # lowest height, extent upward, and height that the subject stands on
     level = height[slope > _LEVEL]
     if len(level) > _MOST * len(height) and abs(np.median(level) - low) < _NEAR * tall:
         yield "ground"

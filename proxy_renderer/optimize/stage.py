@@ -66,13 +66,9 @@ def set_stage(
 ) -> StagedScenes:
     """The shots with the rig that the words ask for; without a rig, with standby lights and a backdrop that single words need.
 
-    If nothing in the prompt is understood offline, nothing is added. The first of several shots decides on lights for all; a backdrop
-    is added to all or to none. Raises VibeError if a target, as "copper=Cup", names nothing in the scene.
-
-    Args:
-        new_lights: Whether lights may be added.
-        written: Goals that replace those of the prompt.
-        goes_on: Whether the prompt is a further sentence, whose goals are relative to the present image.
+    The first of several shots decides on lights for all, if there may be `new_lights`; a backdrop is added to all or to none. `written`
+    goals replace those of the prompt. The goals of a prompt that `goes_on`, a further sentence, are relative to the present image.
+    Raises VibeError if a target, as "copper=Cup", names nothing in the scene.
     """
     prompt, factor, compared = sentences.plain(prompt) if goes_on else (prompt, 0.0, "")
     anew = goes_on and new_lights and sentences.adds_light(prompt)

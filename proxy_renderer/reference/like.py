@@ -74,10 +74,7 @@ class Reference:
             self.same = statements.is_same(self.display, rendered)
 
     def wishes(self, instances: Collection[Instance], seen: Callable[[], GBuffer]) -> list[Wish]:
-        """Wishes with the effects and facts of the image, then one for each statement on it.
-
-        `seen` returns the scene's G-buffer; it is called only for an image of the same scene.
-        """
+        """Wishes with the effects and facts of the image, then one for each statement on it; `seen` returns the scene's G-buffer."""
         if self.probe:
             return self._wishes(self.name, light_probe.effects_of(self.probe))
         regions = regions_of(self.picture.display, self.picture.alpha)
@@ -165,12 +162,7 @@ def _effects(table: str) -> dict[str, Effect]:
 def effects_of(
     instances: Collection[Instance], traits: Collection[str], measures: Collection[str], same: bool
 ) -> list[Effect]:
-    """The effects of an image for the traits to take over, without those that need a measure that is not claimed.
-
-    Args:
-        measures: The measures that statements on the image claim.
-        same: Whether the image shows the same scene.
-    """
+    """Effects of an image, of the `same` scene or another, for traits to take over, without those that need other measures than claimed."""
     table = _effects("another_scene")
     free = {i.parameter.family for i in instances if not i.locked}
     if same:

@@ -53,10 +53,7 @@ class PictureRegions:
 
 
 def regions_of(display: np.ndarray, alpha: np.ndarray | None = None) -> PictureRegions:
-    """The regions of an sRGB image (H, W, 3) in [0, 1]; pixels of low `alpha` (H, W) do not count.
-
-    A subject is not looked for in an image with transparent pixels.
-    """
+    """The regions of an sRGB image (H, W, 3) in [0, 1]; pixels of low `alpha` (H, W) do not count, and leave no subject to look for."""
     seen = np.ones(display.shape[:2], bool) if alpha is None else alpha > _TRANSPARENT
     cutout = not seen.all()
     if cutout:  # transparent pixels get the color of the nearest opaque one

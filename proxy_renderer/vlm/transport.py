@@ -103,8 +103,7 @@ class Transport:
     def post(self, body: dict[str, Any], seconds: float) -> Completion:
         """Sends one request and waits for its answer; every failure, and a stop by the user, raises ModelError.
 
-        The request runs in a thread of its own. So the time limit and the stop work even if the name
-        look-up hangs, or a server sends a byte a minute.
+        The request runs in a thread of its own, so that both limits work if the name look-up hangs, or a server sends a byte a minute.
         """
         client = self._connect()
         box: queue.Queue[Completion | ModelError] = queue.Queue()

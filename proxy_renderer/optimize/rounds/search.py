@@ -38,11 +38,12 @@ sentence, which begins near its result."""
 
 
 class Missed(NamedTuple):
-    """Distance of images from the words' claims; a smaller tuple is better."""
+    """Distance of images from the words' claims; a smaller tuple is better.
 
-    # sum over the claims' misses, see `claims_loss`: one that is missed by far, as when the subject is hardly
-    # visible, counts more than two that are nearly satisfied
-    distance: float
+    A claim that is missed by far, as when the subject is hardly visible, counts more than two that are nearly satisfied.
+    """
+
+    distance: float  # sum over the claims' misses, see `claims_loss`
     claims: int  # number of claims that are not satisfied
 
 
@@ -50,14 +51,6 @@ class Search:
     """One vibe. The first round sets its claims and the artist's images; each round's advice sets the guidance.
 
     The default advisor is the offline planner, and the default method is the product's.
-
-    Attributes:
-        shots: One or several, each with its own proxy, as loaded.
-        rounds: R, the most rounds from each start.
-        reference: The image that replaces words, or adds to them; None for words alone.
-        pictured: Whether the goals have wishes of a reference image; written goals may have them without an image.
-        confiner: Makes the plans of rounds, and the boxes of plans.
-        looks: Makes the looks before the end; None if the observer wants none, and for several shots.
     """
 
     def __init__(
@@ -71,9 +64,9 @@ class Search:
         method: Method | None = None,
     ) -> None:
         self.method, self.observer, self._stage = method or Method(), observer, stage
-        self.reference = Reference.of(options, views[0].scene)
+        self.reference = Reference.of(options, views[0].scene)  # None for words alone
         written = stage.goals.pictured if isinstance(stage.goals, Goals) else ()
-        self.pictured = bool(self.reference or written)
+        self.pictured = bool(self.reference or written)  # whether the goals have wishes of a reference image
         if self.pictured:  # a reference image is about all of light and grade at once
             options = replace(options, top_k=max(options.top_k, _VALUES))
         self.options = options
@@ -89,17 +82,16 @@ class Search:
         self._offline, asked = (self._with_picture(each, words) for each in (stage.advisor, advisor or stage.advisor))
         self.confiner = Confiner(self.vector, self.shots, described, asked, self.method.plan)
         self.several = options.variants > 1
-        # Each variant gets half the rounds, so that several take less time than as many vibes.
+        # R, the most rounds from each start. Each variant gets half, so that several take less time than as many vibes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
         self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, observer)
         self._encoder = encoder
         self.claims: tuple[Claim, ...] = ()  # of words and reference image; none before the first round
-        # Each shot's image of the artist's values, on which guidance is calibrated
-        self._artist: list[Render] = []
+        self._artist: list[Render] = []  # each shot's image of the artist's values, on which guidance is calibrated
         self._asked: object = None  # the captions that the guidance was made for
         self._guidance: list[Guidance] = []  # one for each shot
         alone = len(self.shots) == 1 and observer.wants_looks
-        self.looks = Looks(self.shots[0], described) if alone else None
+        self.looks = Looks(self.shots[0], described) if alone else None  # looks before the end
 
     def _with_picture(self, advisor: Advisor, words: bool) -> Advisor:
         """An advisor for the reference image, if there is one, and for words, if there are any."""
@@ -171,10 +163,7 @@ class Search:
         return self.method.descend(now, chosen, movable, self.options.steps, seed, follow)
 
     def seen(self, shots: Sequence[ShotState], u: Tensor, number: int) -> tuple[list[ShotState], Missed]:
-        """The shots, corrected by Cycles images at u (N,), and the distance of these images from the claims.
-
-        `number` is that of the round.
-        """
+        """The shots of round `number`, corrected by Cycles images at u (N,), and the distance of these images from the claims."""
         shots = [shot.anchored(u, number).viewed(u) for shot in shots]
         residuals = [r for shot in shots for r in shot.missed(u)]
         distance = float(claims_loss(residuals)) if residuals else 0.0

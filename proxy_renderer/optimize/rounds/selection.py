@@ -58,17 +58,11 @@ class Selection:
 def select(
     now: Confined, vector: ParameterVector, shots: Sequence[ShotState], u: Tensor, options: Options, weights: Weights
 ) -> Selection:
-    """S_K (equation 7), chosen at u (N,): at most `top_k` parameters that receive gradients.
-
-    Raises VibeError if words name none that may change.
-    """
+    """S_K (equation 7), chosen at u (N,): at most `top_k` parameters; raises VibeError if words name none that may change."""
     plan, lower, upper = now.plan, now.lower, now.upper
+    movable = relevant(plan, vector, upper > lower)
     # A moved camera means tracing all rays again, so it only moves if words name it.
-    probed = {
-        k
-        for k in relevant(plan, vector, upper > lower)
-        if vector.instances[k].parameter.group != "camera" or plan[k].is_named
-    }
+    probed = {k for k in movable if vector.instances[k].parameter.group != "camera" or plan[k].is_named}
     pictured = bool(now.advice.goals.pictured)
     objective = RoundObjective(shots, vector, plan, probed, (lower, upper), weights, pictured)
     if not probed:  # the words only link lights
@@ -86,16 +80,13 @@ def select(
 
     candidates = needed(plan, model, parts, low, high)
     keys, shared = choose(plan, options.top_k, model, candidates, low, high, _HALF + _MISSED * now.here.opening)
-    mine = torch.zeros(len(low), dtype=torch.bool)
-    for key in keys:
-        mine[parts[key]] = True
-    return Selection(keys, objective, shared, model.of(mine))
+    return Selection(keys, objective, shared, model.of(vector.mark(keys)[wide]))
 
 
 def relevant(plan: Plan, vector: ParameterVector, wide: Tensor) -> set[str]:
     """The keys that a round may change; `wide` (N,) bool marks the components whose range has a width.
 
-    If words name none of these keys, the result is empty if the words link lights; otherwise VibeError is raised.
+    If words name none of these keys, the result is empty if the words link lights, else VibeError is raised.
     """
     found = {k for k, e in plan.items() if e.priority is not None and wide[vector.slices[k]].any()}
     if all(plan[key].prior > 0.0 and not plan[key].any_hue for key in found):
@@ -123,13 +114,11 @@ def needed(
 def choose(
     plan: Plan, k: int, model: LinearModel, parts: Mapping[str, slice], low: Tensor, high: Tensor, half: float = _HALF
 ) -> tuple[list[str], dict[str, str]]:
-    """The K most important parameters, by priority and by how much each can still lower the loss next to those chosen before.
+    """The K most important parameters, and a mapping from held ones to the chosen one with the same effect.
 
-    Each halving of the gain adds `half` to the priority number, and the smallest number comes first. So a parameter at the right end
-    of its range, or without effect on the loss, makes room for one that helps. A color counts as one parameter.
-
-    Returns:
-        The chosen keys, and a mapping from held keys to the chosen key with the same effect.
+    Each halving of what a parameter can still lower the loss next to those chosen before adds `half` to its priority number, and the
+    smallest number comes first. So a parameter at the right end of its range, or without effect on the loss, makes room for one that
+    helps. A color counts as one parameter.
     """
     move, free = torch.zeros_like(low), torch.zeros(len(low), dtype=torch.bool)
     left = dict(parts)

@@ -37,10 +37,9 @@ _LAST = 99  # priority of varied parameters, which no word names
 
 
 def find_starts(search: Search) -> list[Start]:
-    """One start, or one for each variant.
+    """One start: the artist's scene, or with the option `starts` the drawn point of least loss; or one start for each variant.
 
-    The only start is the artist's scene, or with the option `starts` the drawn point of least loss. For variants, several points are
-    drawn and tried in a coarse pass. The first variant starts at the plan's own point, others at those that look most different.
+    The first variant starts at the plan's own point, others at those of several drawn points that look most different after a few steps.
     """
     home, options = search.vector.encode({}), search.options
     number = max(options.starts, _PER_VARIANT * options.variants if search.several else 1)
@@ -81,27 +80,25 @@ def _coarse_pass(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, 
         few.append(replace(shot.viewed(point), guidance=guidance))
     chosen = search.select(now, point, few)
     movable = search.vector.mark(chosen.keys) & (now.upper > now.lower)
-    here, seed = replace(now, u=point), search.options.seed
+    here, seed, loss = replace(now, u=point), search.options.seed, 0.0
     u = search.method.descend(here, chosen, movable, _COARSE_STEPS, seed, lambda *_: search.observer.stopped()).u
     with torch.no_grad():
-        images = [shot.draw(u) for shot in now.shots]
-        losses = []
-        for shot, image in zip(now.shots, images, strict=True):
+        for shot in now.shots:
             assert shot.guidance is not None
-            terms = [*shot.guidance(image.display, image.mask, fixed_views()).values()]
+            image = shot.draw(u)
+            loss += float(sum(shot.guidance(image.display, image.mask, fixed_views()).values()))
             if residuals := shot.missed(u):
-                terms.append(search.method.weights.claims * claims_loss(residuals))
-            losses.append(float(sum(terms)))
-    return u, sum(losses) / len(losses), images[0].display
+                loss += float(search.method.weights.claims * claims_loss(residuals))
+    return u, loss / len(now.shots), now.shots[0].draw(u).display
 
 
 def draw_starts(
     vector: ParameterVector, plan: Plan, u: Tensor, box: tuple[Tensor, Tensor], number: int, seed: int
 ) -> list[Tensor]:
-    """Points (N,) of the feasible box, the first of them u itself.
+    """Points (N,) of the feasible box, the first of them u itself, with parameters that the plan optimizes drawn from their ranges.
 
-    Parameters that the plan optimizes are drawn from their ranges. All components of a color are at the same place in their ranges,
-    because other combinations are other hues. Parameters of one name that `roam` has opened share a place, too.
+    All components of a color are at the same place in their ranges, because other combinations are other hues. Parameters of one name
+    that `roam` has opened share a place, too.
     """
     generator = torch.Generator().manual_seed(seed)
     keys = [key for key, entry in plan.items() if entry.priority is not None]
@@ -150,14 +147,9 @@ def turned(plan: Plan, vector: ParameterVector, u: Tensor) -> dict[str, PlanEntr
 
 def with_reasons(plan: Plan, vector: ParameterVector, u: Tensor) -> Plan:
     """The plan, with the reason `VARIED` for parameters without words that differ at u (N,) from the artist's values."""
-    moved = vector.values(u)
-    varied = {
-        key: replace(entry, reason=VARIED)
-        for key, entry in plan.items()
-        if vector.instances[key].parameter.family in _ROAM
-        and entry.prior == 1.0
-        and moved[key] != vector.instances[key].value
-    }
+    values, instances = vector.values(u), vector.instances
+    roaming = (key for key, entry in plan.items() if instances[key].parameter.family in _ROAM and entry.prior == 1.0)
+    varied = {key: replace(plan[key], reason=VARIED) for key in roaming if values[key] != instances[key].value}
     return Plan({**plan, **varied}, plan.notes)
 
 
