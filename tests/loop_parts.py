@@ -6,7 +6,7 @@ from dataclasses import replace
 from proxy_renderer.goals.resolve import goals_or_why
 from proxy_renderer.optimize.rounds.confiner import RoundStart
 from proxy_renderer.optimize.rounds.search import Search
-from proxy_renderer.optimize.scene_words import described
+from proxy_renderer.optimize.scene_facts import described
 from proxy_renderer.optimize.stage import StagedScenes
 from proxy_renderer.words.parser import Understood
 

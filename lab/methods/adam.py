@@ -121,7 +121,7 @@ class SampledObjective:
 
     def render(self, u: Tensor, shot: int) -> Render:
         """The proxy's picture of u (N,), of a shot."""
-        return self._objective.render(u, shot)
+        return self._objective.seen[shot].draw(u, self._objective.free)
 
     def loss(self, picture: Render, u: Tensor, generator: torch.Generator, shot: int) -> Tensor:
         """The sum of all terms. Arguments as for `Objective.loss`."""

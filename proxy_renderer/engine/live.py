@@ -9,7 +9,7 @@ from pathlib import Path
 from ..guidance.encoder import load_encoder
 from ..optimize.looks import EarlyLook, Looks
 from ..optimize.progress import BEFORE
-from ..optimize.scene_words import described
+from ..optimize.scene_facts import described
 from ..optimize.shots import ShotInput, gathered, inner_size
 from ..optimize.stage import linked, set_stage
 from ..render.proxy import Proxy
@@ -19,11 +19,9 @@ from ..schema.targets import GENERAL, NOT_USED, listed
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.lexicon.word_table import Nearest
 from ..words.parser import Understood
-from ..words.types import LightDescription, PromptWord, SceneDescription
+from ..words.types import LightDescription, SceneDescription
 from .pictures import save_picture
 from .session import pick_device
-
-_OTHERS = 2  # known words that are offered in place of one that is not used
 
 
 def answer(request: messages.AskReadings) -> messages.Readings:
@@ -56,21 +54,20 @@ def readings(prompt: str, scene: SceneDescription, target: Sequence[str] = ()) -
     note = str(understood.unknown or "")
     if not understood.words:  # so that the artist can click on the word whose target is impossible
         understood = Understood(prompt, scene)
-    return messages.Readings(prompt, [*map(_reading, understood.words)], note)
-
-
-def _reading(word: PromptWord) -> messages.WordReading:
-    """A word and what it describes; for a word that is not used, known words to choose in its place."""
-    choices = word.key, [candidate.name for candidate in word.candidates], [*word.others]
-    if word.target == NOT_USED:
-        unknown = not word.candidates
-        others = default_vocabulary().made(Nearest).choices(word.text, _OTHERS) if unknown else []
-        return messages.WordReading(word.text, "left out", word.target, others, *choices)
-    is_general = word.target in GENERAL and word.thing not in word.target
-    describes = f"describes {listed(word.target)}" + (f" ({word.thing})" if is_general else "")
-    if word.guess:
-        return messages.WordReading(word.text, "guessed", f"taken for “{word.guess}”, {describes}", [], *choices)
-    return messages.WordReading(word.text, "understood", describes, [], *choices)
+    words = []
+    for word in understood.words:
+        is_general = word.target in GENERAL and word.thing not in word.target
+        describes = f"describes {listed(word.target)}" + (f" ({word.thing})" if is_general else "")
+        state, meaning, others = "understood", describes, []
+        if word.target == NOT_USED:
+            state, meaning = "left out", word.target
+            if not word.candidates:  # two known words to choose in its place
+                others = default_vocabulary().made(Nearest).choices(word.text, 2)
+        elif word.guess:
+            state, meaning = "guessed", f"taken for “{word.guess}”, {describes}"
+        candidates = [candidate.name for candidate in word.candidates]
+        words.append(messages.WordReading(word.text, state, meaning, others, word.key, candidates, [*word.others]))
+    return messages.Readings(prompt, words, note)
 
 
 class Glances:

@@ -47,7 +47,17 @@ def warp(pictures: Tensor, corners: Tensor, size: int) -> Tensor:
     axis = (torch.arange(size, dtype=torch.float64) + 0.5) * (2.0 / size) - 1.0
     y, x = torch.meshgrid(axis, axis, indexing="ij")
     points = torch.stack([x, y, torch.ones_like(x)], -1).view(-1, 3)
-    mapped = points @ _homographies(corners.double()).transpose(1, 2)
+
+    # Homographies (B, 3, 3) from [-1, 1]² to the quadrilaterals, by the direct linear transform with h₃₃ = 1
+    x, y = _CORNERS.double().expand(count, -1, -1).unbind(-1)
+    u, v = corners.double().unbind(-1)
+    one, zero = torch.ones_like(x), torch.zeros_like(x)
+    rows_u = torch.stack([x, y, one, zero, zero, zero, -u * x, -u * y], -1)
+    rows_v = torch.stack([zero, zero, zero, x, y, one, -v * x, -v * y], -1)
+    solved = torch.linalg.solve(torch.cat([rows_u, rows_v], 1), torch.cat([u, v], 1))
+    homographies = F.pad(solved, (0, 1), value=1.0).view(-1, 3, 3)
+
+    mapped = points @ homographies.transpose(1, 2)
     grid = (mapped[..., :2] / mapped[..., 2:]).view(count, size, size, 2).to(pictures)
     return F.grid_sample(pictures.expand(count, -1, -1, -1), grid, padding_mode="border", align_corners=False)
 
@@ -55,18 +65,6 @@ def warp(pictures: Tensor, corners: Tensor, size: int) -> Tensor:
 def whole(pictures: Tensor, size: int) -> Tensor:
     """The uncropped images (B, C, H, W), scaled to squares (B, C, size, size), with gradients."""
     return F.interpolate(pictures, size=(size, size), mode="bilinear", antialias=True, align_corners=False)
-
-
-def _homographies(corners: Tensor) -> Tensor:
-    """Homographies (B, 3, 3) from [-1, 1]² to quadrilaterals (B, 4, 2), by the direct linear transform with h₃₃ = 1."""
-    source = _CORNERS.to(corners).expand(len(corners), -1, -1)
-    x, y = source.unbind(-1)
-    u, v = corners.unbind(-1)
-    one, zero = torch.ones_like(x), torch.zeros_like(x)
-    rows_u = torch.stack([x, y, one, zero, zero, zero, -u * x, -u * y], -1)
-    rows_v = torch.stack([zero, zero, zero, x, y, one, -v * x, -v * y], -1)
-    solved = torch.linalg.solve(torch.cat([rows_u, rows_v], 1), torch.cat([u, v], 1))
-    return torch.cat([solved, torch.ones_like(solved[:, :1])], 1).view(-1, 3, 3)
 
 
 @dataclass(frozen=True)

@@ -82,10 +82,6 @@ class RoundObjective:
         self._hued = (box[1] - box[0] > 1e-9) * (1.0 + _UNNAMED * unnamed + _BETWEEN_GRAYS * gray)
         self._colors = torch.tensor([[*range(part.start, part.stop)] for part in colors]).view(-1, 3).long()
 
-    def render(self, u: Tensor, shot: int) -> Render:
-        """The proxy's image of u (N,) in a shot (from 0), differentiable in the free keys."""
-        return self.seen[shot].draw(u, self.free)
-
     def assess(self, u: Tensor) -> Assessment:
         """The assessment of the images of all shots at u (N,), differentiable in the free keys."""
         return self.judge([shot.draw(u, self.free) for shot in self.seen], u)

@@ -24,7 +24,7 @@ from ..words.lexicon.rigs import rig_table
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.parser import Understood
 from ..words.types import SaidLink
-from .scene_words import described
+from .scene_facts import described
 
 _SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim", "kicker", "bounce")}
 """Lights that single words may need, as "rim light", if they ask for no rig; the last two if the scene already has such a light."""

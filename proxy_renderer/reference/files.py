@@ -91,21 +91,17 @@ def _pixels(picture: Image.Image) -> Pixels:
         good = np.isfinite(gray)
         color = np.repeat(np.where(good, gray, 0.0).clip(0.0)[..., None], 3, -1)
         return *shrunk_linear(color, good.astype(np.float32)), True
-    return to_srgb(_small(upright), icc)
-
-
-def _small(picture: Image.Image) -> Image.Image:
-    """The picture in a mode whose pixels can be averaged, at `small_size`."""
-    if picture.mode.startswith("I"):  # of up to 16 bits
-        values = np.asarray(picture).astype(np.float32) / 257.0
-        picture = Image.fromarray(values.round().clip(0.0, 255.0).astype(np.uint8))
-    elif picture.mode in ("P", "PA"):
-        picture = picture.convert("RGBA")
-    elif picture.mode == "1":
-        picture = picture.convert("L")
-    elif picture.mode in ("L", "RGB") and "transparency" in picture.info:
-        picture = picture.convert("LA" if picture.mode == "L" else "RGBA")
-    return picture.resize(small_size(*picture.size), Image.Resampling.BOX)
+    # Modes whose pixels can be averaged
+    if upright.mode.startswith("I"):  # of up to 16 bits
+        values = np.asarray(upright).astype(np.float32) / 257.0
+        upright = Image.fromarray(values.round().clip(0.0, 255.0).astype(np.uint8))
+    elif upright.mode in ("P", "PA"):
+        upright = upright.convert("RGBA")
+    elif upright.mode == "1":
+        upright = upright.convert("L")
+    elif upright.mode in ("L", "RGB") and "transparency" in upright.info:
+        upright = upright.convert("LA" if upright.mode == "L" else "RGBA")
+    return to_srgb(upright.resize(small_size(*upright.size), Image.Resampling.BOX), icc)
 
 
 _REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)

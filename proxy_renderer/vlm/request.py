@@ -36,27 +36,20 @@ class AliasTable:
     def __init__(self, instances: Mapping[str, Instance], context: SceneDescription) -> None:
         self._camera = context.camera_azimuth
         free = [i for i in instances.values() if not i.locked]
-        owners = {
-            group: list(dict.fromkeys((i.owner, i.role) for i in free if i.parameter.group == group))
-            for group in ("material", "light")
-        }
-        share = context.material_share
-        materials = sorted(owners["material"], key=lambda o: (o[1] != "subject", -share.get(o[0], 0.0), o))
-        lights = sorted(owners["light"], key=lambda o: (o[1] != "key", o))
         self.aliases: list[Alias] = []  # lights and materials that have a row
-        ids: dict[tuple[str, str], str] = {}
-        for group, chosen in (("material", materials[:_MATERIALS]), ("light", lights[:_LIGHTS])):
-            for number, (owner, role) in enumerate(chosen, 1):
-                ids[group, owner] = f"{group}{number}"
-                known = share.get(owner) if group == "material" else None
+        heads: dict[tuple[str, str], str] = {}  # group and owner -> first part of a parameter's name
+        for group, most, first in (("material", _MATERIALS, "subject"), ("light", _LIGHTS, "key")):
+            share = context.material_share if group == "material" else {}
+            owners = {(i.owner, i.role) for i in free if i.parameter.group == group}
+            ranked = sorted(owners, key=lambda o: (o[1] != first, -share.get(o[0], 0.0), o))
+            for number, (owner, role) in enumerate(ranked[:most], 1):
+                heads[group, owner] = f"{group}{number}"
                 kind = context.light(owner).type if group == "light" else ""
-                self.aliases.append(Alias(ids[group, owner], owner, role, known, kind))
+                self.aliases.append(Alias(f"{group}{number}", owner, role, share.get(owner), kind))
         self.rows: dict[str, Instance] = {}  # name in questions and answers -> instance
-        for instance in free:
-            group, owner = instance.parameter.group, instance.owner
-            head = ids.get((group, owner)) if owner else group
-            if head:
-                self.rows[f"{head}/{instance.parameter.name}"] = instance
+        for i in free:
+            if head := heads.get((i.parameter.group, i.owner)) if i.owner else i.parameter.group:
+                self.rows[f"{head}/{i.parameter.name}"] = i
 
     def shown(self, instance: Instance, values: Values) -> Values:
         """Values as a model sees them: colors as sRGB, light directions relative to the camera, -180 up to 180 degrees."""

@@ -96,11 +96,11 @@ def test_a_missed_claim_pulls_the_picture_towards_it(search):
     now, home = confined(begun)
     objective = begun.select(now, home).objective
     u = home.clone().requires_grad_()
-    residuals = now.shots[0].residuals(objective.render(u, 0))
+    residuals = now.shots[0].residuals(objective.seen[0].draw(u, objective.free))
     worst = max(residuals, key=lambda r: float(r.detach().norm()))
     worst.square().sum().backward()
     step = home - 0.05 * u.grad / u.grad.norm()
-    nearer = now.shots[0].residuals(objective.render(step, 0))
+    nearer = now.shots[0].residuals(objective.seen[0].draw(step, objective.free))
     assert torch.cat(nearer).norm() < torch.cat(residuals).norm()
 
 

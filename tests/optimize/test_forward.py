@@ -70,13 +70,13 @@ def test_backward_passes_together_give_what_they_give_one_by_one(begun, monkeypa
 def test_a_light_that_moves_leaves_nothing_behind(begun):
     objective, now = begun
     with torch.no_grad():
-        before = objective.render(now.u, 0).linear
+        before = objective.seen[0].draw(now.u, objective.free).linear
     moving = {key for key in objective.free if not stands(key)}
     assert moving
     forward, *_ = both(begun, moving)
     assert (forward.values != 0).any()
     with torch.no_grad():
-        assert torch.equal(objective.render(now.u, 0).linear, before)
+        assert torch.equal(objective.seen[0].draw(now.u, objective.free).linear, before)
 
 
 def test_the_cheaper_way_is_taken(begun, monkeypatch):

@@ -68,10 +68,10 @@ def test_a_color_takes_one_picture_and_the_film_none(begun, exposed, kind, pictu
 def test_a_light_that_moves_changes_its_shadows_and_leaves_nothing_behind(begun):
     objective, u = begun
     vector, strides = objective.vector, torch.full_like(u, 0.01)
-    before = objective.render(u, 0).linear.clone()
+    before = objective.seen[0].draw(u, objective.free).linear.clone()
     key = next(key for key, i in vector.instances.items() if i.parameter.family == "light/azimuth")
     beside = nearby(objective, u, strides)
     moved = beside(u + strides * vector.mark([key])).picture.linear
     assert (moved - before).abs().max() > 1e-3
     objective.seen[0]._last = None
-    assert torch.equal(objective.render(u, 0).linear, before)
+    assert torch.equal(objective.seen[0].draw(u, objective.free).linear, before)

@@ -9,7 +9,7 @@ import pytest
 
 from lab.bench.scenes import balls
 from proxy_renderer.color.shades import basic
-from proxy_renderer.optimize.scene_words import _parts, _Rays, _structures, described, present_looks
+from proxy_renderer.optimize.scene_facts import _parts, _Rays, _structures, described, present_looks
 
 SCENE = (0.0, 10.0, 0.0)  # from height 0, 10 tall, the subject stands at the bottom
 

@@ -18,7 +18,7 @@ from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.color.arrays import srgb_from_linear
 from proxy_renderer.goals.resolve import Goals, goals_of
 from proxy_renderer.goals.written import as_json, from_json
-from proxy_renderer.optimize.scene_words import described
+from proxy_renderer.optimize.scene_facts import described
 from proxy_renderer.optimize.shots import picture_size
 from proxy_renderer.planning.advice import OfflineAdvisor
 from proxy_renderer.reference.like import LikeAdvisor, Reference

@@ -15,7 +15,7 @@ from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.goals.resolve import Goals, goals_of, goals_or_why
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline
-from proxy_renderer.optimize.scene_words import described
+from proxy_renderer.optimize.scene_facts import described
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.planning.advice import Advice, Prompts
 from proxy_renderer.planning.types import Plan
