@@ -76,8 +76,7 @@ def difference(predicted: np.ndarray, after: np.ndarray, subject: np.ndarray) ->
 
 def as_image(picture: Tensor) -> Image.Image:
     """An 8-bit image of (H, W, 3) or (H, W) in [0, 1]; values outside are clipped."""
-    data = (picture.detach().cpu().numpy().clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
-    return Image.fromarray(data)
+    return Image.fromarray((picture.detach().cpu().numpy().clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8))
 
 
 def save_picture(picture: Tensor, path: Path) -> None:

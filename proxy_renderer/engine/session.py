@@ -44,8 +44,7 @@ def pick_device(name: str) -> str:
     try:
         torch.zeros(1, device=name)
     except (RuntimeError, AssertionError) as error:
-        remedy = "Use --device cpu, or run `vibe doctor`."
-        raise VibeError(f"There is no device {name!r} here.", remedy) from error
+        raise VibeError(f"There is no device {name!r} here.", "Use --device cpu, or run `vibe doctor`.") from error
     return name
 
 
@@ -96,8 +95,7 @@ class EngineSession:
         blenders = [BlenderPictures(s, observer.ask, options.seed, n) for n, s in enumerate(scenes)]
         rows_of_shots = zip(scenes, blenders, self.shots, strict=True)
         views = [ShotInput(s, b if options.anchor else None, shot.file, self._known) for s, b, shot in rows_of_shots]
-        search = Search(views, stage, options, encoder, observer, advisor, self._method)
-        outcome = self._outcome = pipeline.run(search)
+        outcome = self._outcome = pipeline.run(Search(views, stage, options, encoder, observer, advisor, self._method))
         ended, waited = time.monotonic(), sum(blender.waited for blender in blenders)
         timings = {"load encoder": loaded - began, "load scene": staged - loaded}
         timings |= {"loop": ended - staged - waited, "wait for Blender": waited}

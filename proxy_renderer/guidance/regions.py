@@ -101,8 +101,7 @@ def surroundings_views(display: Tensor, mask: Tensor, count: int, generator: tor
     """I ⊙ (1 − M), the hole filled with the mean color of what remains. Arguments as for `subject_views`."""
     rest = (1.0 - mask)[..., None]
     filled = display * rest + mask[..., None] * mean(display, 1.0 - mask)
-    corners = keeping(1.0 - mask, count, generator)
-    return warp(filled.permute(2, 0, 1)[None], corners, size)
+    return warp(filled.permute(2, 0, 1)[None], keeping(1.0 - mask, count, generator), size)
 
 
 def whole_views(display: Tensor, count: int, generator: torch.Generator, size: int) -> Tensor:

@@ -320,5 +320,4 @@ class _ForwardShot:
 
 def _fields(latent: LatentImage) -> list[Tensor]:
     """The fields of an undeveloped image that the scene's parameters change while the camera stands still."""
-    fields = latent.linear, latent.transmittance, latent.alpha
-    return [field for field in fields if field is not None]
+    return [field for field in (latent.linear, latent.transmittance, latent.alpha) if field is not None]

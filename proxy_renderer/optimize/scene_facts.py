@@ -163,8 +163,7 @@ def light_sizes(scene: SceneData, geometry: RayGeometry) -> dict[str, float]:
             half = torch.eye(3, device=source.position.device) * source.size
         arms = torch.cat((half, -half), 1)
         length = arms.norm(dim=0)
-        origin = source.position[:, None].expand_as(arms)
-        free = geometry.nearest(origin, arms / length, "shadow").distance
+        free = geometry.nearest(source.position[:, None].expand_as(arms), arms / length, "shadow").distance
         growth = max(float((_KEPT * free / length).min()), 1.0)
         widest[key] = min(widest.get(key, math.inf), growth * scene.value(key)[0])
     return widest

@@ -127,8 +127,7 @@ def linked(stage: StagedScenes, options: Options) -> StagedScenes:
         for number, scene in enumerate(scenes):
             objects = tuple(o.name for o in scene.objects if o.name in said.objects)
             for light in (x.name for x in scene.lights if x.name in free and objects):
-                link = LightLink(light, said.only, objects)
-                scenes[number] = scenes[number].with_link(link, f"'{said.text}'")
+                scenes[number] = scenes[number].with_link(LightLink(light, said.only, objects), f"'{said.text}'")
     return replace(stage, scenes=scenes)
 
 

@@ -163,8 +163,7 @@ def _layer(path: Path) -> tuple[np.ndarray, Mapping[str, Any]]:
     ranked += [name for name, (pixels, _) in layers.items() if name == "Y" and pixels.ndim == 2]
     ranked += colors if len(colors) == 1 else []
     if not ranked:
-        remedy = "Save the render itself, the layer Combined."
-        raise VibeError(f"{path.name} holds no layer with colors.", remedy)
+        raise VibeError(f"{path.name} holds no layer with colors.", "Save the render itself, the layer Combined.")
     return layers[ranked[0]]
 
 
@@ -232,8 +231,7 @@ def read_reference(path: Path | str) -> ReferencePicture:
     else:
         color, alpha, is_linear = read_encoded(found)
     if alpha.max() < 1 / 255:
-        remedy = "Use another picture."
-        raise VibeError(f"Nothing is to be seen in {found.name}: all of it is transparent.", remedy)
+        raise VibeError(f"Nothing is to be seen in {found.name}: all of it is transparent.", "Use another picture.")
     display = (srgb_from_linear(color).clip(0.0, 1.0) if is_linear else color).astype(np.float32)
     opaque = alpha.min() >= 1.0 - 0.5 / 255
     counts = None if opaque else alpha.astype(np.float32).clip(0.0, 1.0)

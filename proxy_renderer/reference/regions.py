@@ -99,11 +99,9 @@ def _subject(lab: np.ndarray, sky: np.ndarray) -> np.ndarray:
 
 def _sky(lab: np.ndarray) -> np.ndarray:
     """(H, W) bool: the sky of an image (H, W, 3) in Lab; all False if none is clear."""
-    light = ndimage.gaussian_filter(lab[..., 0], 0.8)
-    even = np.hypot(*np.gradient(light)) < _EVEN
+    even = np.hypot(*np.gradient(ndimage.gaussian_filter(lab[..., 0], 0.8))) < _EVEN
     parts, _ = ndimage.label(even)
-    top = np.unique(parts[0][parts[0] > 0])
-    sky = np.isin(parts, top)
+    sky = np.isin(parts, parts[0][parts[0] > 0])
     nothing = np.zeros_like(sky)
     if not _SKY[0] < sky.mean() < _SKY[1] or sky[0].mean() < 0.75 or sky[-len(sky) // 4 :].mean() > 0.15:
         return nothing

@@ -74,8 +74,7 @@ def statements_by_place(picture: Tensor, alpha: np.ndarray | None, seen: GBuffer
     measured = MeasuredPicture.of(picture, seen)
     hidden = torch.zeros_like(seen.subject, dtype=torch.bool)
     if alpha is not None:
-        planes = torch.from_numpy(alpha)[None, None]
-        hidden = F.interpolate(planes, seen.subject.shape, mode="area")[0, 0] < _SEEN
+        hidden = F.interpolate(torch.from_numpy(alpha)[None, None], seen.subject.shape, mode="area")[0, 0] < _SEEN
     cells = []
     height, width = seen.subject.shape
     step = max(height, width) / _LONGER

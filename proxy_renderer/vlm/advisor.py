@@ -129,8 +129,7 @@ def _add_entry(item: Any, table: AliasTable, reply: Reply) -> None:
     if instance is None or instance.key in reply.entries:
         reply.dropped += 1
         return
-    count = instance.parameter.components
-    ends = [_numbers(item.get(side), count) for side in ("lower", "upper")]
+    ends = [_numbers(item.get(side), instance.parameter.components) for side in ("lower", "upper")]
     lower, upper = (e if e is not None else o for e, o in zip(ends, reversed(ends), strict=True))
     if lower is None or upper is None:
         reply.dropped += 1
@@ -292,8 +291,7 @@ class ModelAdvisor:
             goals = goals_of(parsed)
             draft = Advice(goals, compose(parsed, goals.overruled), confine(goals, dict(instances), context))
         elif unknown is not None:
-            problem = f"{unknown.message} And the model did not help: {why}"
-            raise VibeError(problem, unknown.remedy) from unknown
+            raise VibeError(f"{unknown.message} And the model did not help: {why}", unknown.remedy) from unknown
         assert draft is not None
         return replace(draft, source=f"offline planner: {why}")
 

@@ -34,8 +34,7 @@ _SMALLEST, _LARGEST = 384, 1536  # pixels of the longer side: sizes that models 
 def jpeg_of(picture: Tensor | Image.Image) -> bytes:
     """A small JPEG of a display-referred tensor (H, W, 3) in [0, 1], or of a PIL image."""
     if not isinstance(picture, Image.Image):
-        data = (picture.detach().cpu().numpy().clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
-        picture = Image.fromarray(data)
+        picture = Image.fromarray((picture.detach().cpu().numpy().clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8))
     longest = max(picture.size)
     factor = min(max(longest, _SMALLEST), _LARGEST) / longest
     width, height = (max(round(n * factor), 1) for n in picture.size)
@@ -152,8 +151,7 @@ class Cache:
             with atomic.replacing(self.folder / f"{key}.json") as part:
                 part.touch(mode=0o600)
                 part.write_text(json.dumps({"answer": answer}), encoding="utf-8")
-            files = sorted(self.folder.glob("*.json"), key=lambda p: p.stat().st_mtime)
-            for path in files[:-_MOST]:
+            for path in sorted(self.folder.glob("*.json"), key=lambda p: p.stat().st_mtime)[:-_MOST]:
                 path.unlink(missing_ok=True)
 
 
@@ -213,8 +211,7 @@ class Client:
             self.usage.cached += 1
             return cached_answer
         if question.must_see and not self.dialect.pictures:
-            remedy = "Use a vision-language model."
-            raise ModelError(f"The model {point.model} does not see pictures.", remedy)
+            raise ModelError(f"The model {point.model} does not see pictures.", "Use a vision-language model.")
         start = time.monotonic()
         try:
             answer = self._converse(question, check, start + point.seconds)

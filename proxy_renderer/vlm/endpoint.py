@@ -72,8 +72,7 @@ def find_endpoint(options: Options, key: str = "", environment: Mapping[str, str
     endpoint = Endpoint(model, url, key, _seconds(env.get("VIBE_VLM_TIMEOUT", "")), _prices(env))
     if not options.online and not endpoint.local:
         remedy = "Allow it in Preferences > System > Network, or use a model on this computer."
-        problem = f"Blender's online access is off, and the model {model} is at {endpoint.place}."
-        raise VibeError(problem, remedy)
+        raise VibeError(f"Blender's online access is off, and the model {model} is at {endpoint.place}.", remedy)
     return endpoint
 
 

@@ -218,8 +218,7 @@ def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> 
         what, remedy = f"wants to be paid{more}", "Check the account's balance."
     elif _OVERFULL.search(complaint):
         remedy = "Give the model more context: 16384 tokens are enough (Ollama: OLLAMA_CONTEXT_LENGTH=16384)."
-        problem = f"The scene does not fit into the context of {point.model}{more}."
-        return ModelError(problem, remedy, lasting=True)
+        return ModelError(f"The scene does not fit into the context of {point.model}{more}.", remedy, lasting=True)
     elif 300 <= code < 400:
         what, remedy = f"sends us elsewhere (HTTP {code})", "Name the final base URL."
     elif code == 429:

@@ -146,8 +146,7 @@ class Search:
         """The round at the point where its steps begin, see `with_key_turned`, with the proxies corrected there."""
         u, here = now.u, now.here
         if not here.earlier and self.reference and self.reference.same:
-            goal = self.reference.display
-            u = with_key_turned(self.shots[0].scene, self.vector, u, now.lower, now.upper, goal)
+            u = with_key_turned(self.shots[0].scene, self.vector, u, now.lower, now.upper, self.reference.display)
         stride = _FURTHER_STRIDE if self.options.goes_on else _STRIDE
         shots = [shot.anchored(u, here.number, stride).viewed(u) for shot in now.shots]
         return replace(now, u=u, shots=shots)
