@@ -93,10 +93,8 @@ class LinearModel:
         # NumPy views of the same memory: on so few numbers its calls cost a third of torch's
         ahead, missed = torch.zeros_like(self.rest_slope), torch.zeros_like(self.here.values)
         move = at = ahead.numpy()
-        values, lower, upper, weight = (
-            t.numpy() for t in (self.here.values, self.here.lower, self.here.upper, weights)
-        )
-        rest, least, most = self.rest_slope.numpy(), low.numpy(), high.numpy()
+        values, lower, upper = (t.numpy() for t in (self.here.values, self.here.lower, self.here.upper))
+        weight, rest, least, most = (t.numpy() for t in (weights, self.rest_slope, low, high))
         for number in range(_ITERATIONS):
             there = values + (self.slopes @ ahead).numpy()
             missed.numpy()[:] = weight * (there - np.clip(there, lower, upper))
@@ -108,14 +106,10 @@ class LinearModel:
             ahead = torch.from_numpy(at)
         return torch.from_numpy(move)
 
-    def of(self, components: Tensor) -> LinearModel:
+    def of(self, some: Tensor) -> LinearModel:
         """The model of some components (n,) bool; the others stay."""
-        return replace(
-            self,
-            slopes=self.slopes[:, components],
-            rest_slope=self.rest_slope[components],
-            stiffness=self.stiffness[components][:, components],
-        )
+        parts = self.slopes[:, some], self.rest_slope[some], self.stiffness[some][:, some]
+        return LinearModel(self.here, *parts, self.weight)
 
     def gains(self, move: Tensor, parts: Mapping[str, slice], low: Tensor, high: Tensor) -> dict[str, float]:
         """Part (a parameter's slice) -> predicted decrease of the loss by one damped Newton step of it alone from x + move (n,)."""

@@ -26,10 +26,9 @@ from ..scene import SceneData
 from ..schema import GROUPS, Instance, VibeError, labels, matches, material_copies, messages
 from ..schema.messages import Options
 from ..words.types import SceneDescription
-from .air_exposure import exposed_through_air
 from .known_picture import KnownPicture, alike
 from .scene_facts import described_now
-from .vector import ParameterVector
+from .vector import ParameterVector, exposed_through_air
 
 SAMPLES = 16  # samples per pixel of an anchor
 LONGEST = 30.0  # seconds that an anchor may take; after a slower one no more are requested
@@ -191,15 +190,6 @@ class ShotState:
         self.records.append({"round": number + 1, "delta_e": round(difference, 3)})
         return shot
 
-    def reminded(self, known: KnownPicture) -> ShotState:
-        """The shot with its proxy corrected by the Cycles image of an earlier vibe, if that image shows the scene as it is now."""
-        values = known.values_in(self.scene) if known.picture.size == self.proxy.size else None
-        if values is None:
-            return self
-        u = self.vector.encode(values)
-        correction = self.proxy.anchor(chosen_values(self.vector, u, self.proxy.device), known.picture)
-        return self._with(AnchorState(correction, u, picture=known.picture))
-
     def known_picture(self) -> KnownPicture | None:
         """The Cycles image that corrects the proxy, for a vibe that follows; None if there is none."""
         if self.anchor.picture is None or self.anchor.u is None:
@@ -287,7 +277,13 @@ def gathered(
     for view, mine in zip(views, names, strict=True):
         own = vector.view(mine).taking(added_values(view.scene), view.scene.links)
         shot = ShotState(view.scene, mine, own, proxy(view.scene), view.source)
-        shots.append(shot.reminded(view.known) if view.known else shot)
+        # The Cycles image of an earlier vibe corrects the proxy, if it shows the scene as it is now.
+        known = view.known if view.known and view.known.picture.size == shot.proxy.size else None
+        if known and (values := known.values_in(view.scene)) is not None:
+            u = own.encode(values)
+            correction = shot.proxy.anchor(chosen_values(own, u, shot.proxy.device), known.picture)
+            shot.anchor = AnchorState(correction, u, picture=known.picture)
+        shots.append(shot)
     return vector, shots
 
 

@@ -125,15 +125,6 @@ class Cache:
     def __init__(self, folder: Path | None = None) -> None:
         self.folder = folder or cache_folder("vlm")
 
-    @staticmethod
-    def key(*parts: Any) -> str:
-        """A hash of JSON values and bytes, as a file name."""
-        digest = hashlib.sha256()
-        for part in parts:
-            raw = part if isinstance(part, bytes) else json.dumps(part, sort_keys=True).encode()
-            digest.update(len(raw).to_bytes(8, "big") + raw)
-        return digest.hexdigest()
-
     def read(self, key: str) -> Any:
         """An answer, or None."""
         path = self.folder / f"{key}.json"
@@ -205,8 +196,8 @@ class Client:
     def ask(self, question: Question, check: Callable[[Any], object] = bool, fresh: bool = False) -> Any:
         """The answer: an object if there is a schema, else text. If `check` raises ModelError, the model is asked once more."""
         point = self.endpoint
-        asked = (question.system, question.text, question.schema, question.picture or b"")
-        key = Cache.key(_VERSION, point.url, point.model, *asked)
+        asked = [_VERSION, point.url, point.model, question.system, question.text, question.schema]
+        key = hashlib.sha256(json.dumps(asked, sort_keys=True).encode() + (question.picture or b"")).hexdigest()
         if not fresh and (cached_answer := self._cache.read(key)) is not None:
             self.usage.cached += 1
             return cached_answer

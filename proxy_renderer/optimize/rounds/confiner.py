@@ -86,15 +86,12 @@ class Confiner:
 
     def advise(self, shots: Sequence[ShotState], u: Tensor, earlier: Plan) -> Advice:
         """The advice for the first shot at u (N,). Its plan also has entries for parameters that only other shots have."""
-        advice: Advice | None = None
-        entries: dict[str, PlanEntry] = {}
-        for shot in shots:
-            if advice and all(key in entries for key in shot.names.values()):
-                continue
-            own_advice = shot.advised(self.advisor, u, self._described)
-            entries = {shot.names[own]: entry for own, entry in own_advice.plan.items()} | entries
-            advice = advice or own_advice
-        assert advice is not None
+        advice = shots[0].advised(self.advisor, u, self._described)
+        entries = {shots[0].names[own]: entry for own, entry in advice.plan.items()}
+        for shot in shots[1:]:
+            if not entries.keys() >= {*shot.names.values()}:
+                plan = shot.advised(self.advisor, u, self._described).plan
+                entries = {shot.names[own]: entry for own, entry in plan.items()} | entries
         instances = self._vector.instances
         plan = carry(Plan({key: entries[key] for key in instances}, advice.plan.notes), earlier)
         return replace(advice, plan=self._replan(instances, plan))
