@@ -12,7 +12,7 @@ from torch import Tensor
 
 from ..color.tensors import ciede2000, lab_from_srgb
 from ..optimize.pipeline import Outcome
-from ..optimize.shots import draw
+from ..optimize.shots import draw, picture_size
 from ..render.proxy import Proxy
 from ..schema import atomic
 
@@ -102,7 +102,10 @@ def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str, font
     """A sheet of panels, `rows` of (label, image) with the height of the first, above the prompt in at most four lines ("" for none)."""
     title = font(26, prompt, fonts)
     label = font(18, "".join(name for row in rows for name, _ in row), fonts)
-    sizes = [[_fitted(picture, _fitted(row[0][1])[1]) for _, picture in row] for row in rows]
+    sizes = []
+    for row in rows:
+        high = picture_size(row[0][1].size, _PANEL)[1]
+        sizes.append([(max(round(picture.width * (high / picture.height)), 1), high) for _, picture in row])
     total = max(sum(width + _MARGIN for width, _ in row) for row in sizes) + _MARGIN
     lines = wrapped(f"“{prompt}”", title, total - 2 * _MARGIN, 4) if prompt.strip() else []
     head = 2 * _MARGIN + 8
@@ -119,13 +122,6 @@ def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str, font
     for i, line in enumerate(lines):
         pen.text((total / 2, top + _MARGIN + 18 + 36 * i), line, _INK, title, anchor="mm")
     return sheet
-
-
-def _fitted(picture: Image.Image, high: int = 0) -> tuple[int, int]:
-    """Width and height of an image's panel: with the height `high`, or for 0 with a longer side of `_PANEL`."""
-    width, height = picture.size
-    scale = high / height if high else _PANEL / max(width, height)
-    return max(round(width * scale), 1), max(round(height * scale), 1)
 
 
 def font(size: int, text: str, fonts: Path) -> Font:

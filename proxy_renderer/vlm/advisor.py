@@ -225,7 +225,16 @@ class ModelAdvisor:
                 self._in_a_row = _PATIENCE if error.lasting else self._in_a_row + 1
                 rest = "this round is" if self._in_a_row < _PATIENCE else "the rest is"
                 self._tell(f"{error.message} So {rest} planned offline")
-        return self._alone(draft, unknown, instances, context)
+        # Without the model: the draft, or the model's earlier caption as the vocabulary reads it
+        why = self._failures[-1]
+        if unknown is not None:
+            parsed = self._read(self._caption)
+            if not parsed.attributes:
+                raise VibeError(f"{unknown.message} And the model did not help: {why}", unknown.remedy) from unknown
+            goals = goals_of(parsed)
+            draft = Advice(goals, compose(parsed, goals.overruled), confine(goals, dict(instances), context))
+        assert draft is not None
+        return replace(draft, source=f"offline planner: {why}")
 
     def account(self) -> dict[str, Any]:
         """For report.json: the model, its cost, its failures, and the parts of its answers that were not used."""
@@ -277,23 +286,6 @@ class ModelAdvisor:
         plan = Plan({**drafted, **kept, **reply.entries}, drafted.notes)
         unmeasured = draft.unmeasured if draft else prompts
         return Advice(goals, prompts, plan, unmeasured, self._client.endpoint.model)
-
-    def _alone(
-        self,
-        draft: Advice | None,
-        unknown: VibeError | None,
-        instances: Mapping[str, Instance],
-        context: SceneDescription,
-    ) -> Advice:
-        """The advice without the model: the draft, or the model's earlier caption as the vocabulary reads it."""
-        why = self._failures[-1]
-        if unknown is not None and (parsed := self._read(self._caption)).attributes:
-            goals = goals_of(parsed)
-            draft = Advice(goals, compose(parsed, goals.overruled), confine(goals, dict(instances), context))
-        elif unknown is not None:
-            raise VibeError(f"{unknown.message} And the model did not help: {why}", unknown.remedy) from unknown
-        assert draft is not None
-        return replace(draft, source=f"offline planner: {why}")
 
     def _read(self, caption: str) -> Parsed:
         try:

@@ -89,10 +89,6 @@ class Completion:
     cost: float | None = None  # US dollars; None if the server does not say
 
 
-class _TooLong(Exception):
-    pass
-
-
 class Transport:
     """A connection to an endpoint."""
 
@@ -148,7 +144,8 @@ class Transport:
                 raise ModelError("The openai package cannot be imported.", remedy, lasting=True) from error
             point = self.endpoint
             # A redirect could send the image to another server; a model on this computer needs no proxy.
-            http = _bounded(openai.DefaultHttpxClient)(follow_redirects=False, trust_env=not point.local)
+            client = _bounded(openai.DefaultHttpxClient, point.place)
+            http = client(follow_redirects=False, trust_env=not point.local)
             self._client = openai.OpenAI(
                 base_url=point.url, api_key=point.key or "none", max_retries=_RETRIES, http_client=http
             )
@@ -174,9 +171,8 @@ class Transport:
             text = inner.get("message") if isinstance(inner, dict) else inner
             complaint = clean(scrub(str(text or error.body or ""), point.key), 200).rstrip(". ")
             return explain_status(error.status_code, complaint, error.response.headers, point)
-        if isinstance(error, _TooLong) or isinstance(error.__cause__, _TooLong):
-            remedy = "Check that it is the right endpoint."
-            return ModelError(f"{point.place} sent more than {LARGEST // 10**6} MB.", remedy)
+        if isinstance(error.__cause__, ModelError):  # of `_bounded`
+            return error.__cause__
         if isinstance(error, openai.APIConnectionError):
             why = scrub(" ".join(str(error.__cause__ or "").split())[:120], point.key)
             problem = f"{point.place} cannot be reached{f' ({why})' if why else ''}."
@@ -239,7 +235,7 @@ def _count(value: Any) -> int:
     return value if isinstance(value, int) and 0 <= value < 10**9 else 0
 
 
-def _bounded(base: Any) -> Any:
+def _bounded(base: Any, place: str) -> Any:
     """An HTTP client that reads no more than LARGEST bytes of any answer, errors included."""
 
     class Bounded(base):
@@ -251,7 +247,8 @@ def _bounded(base: Any) -> Any:
                 for chunk in response.iter_bytes():
                     body += chunk
                     if len(body) > LARGEST:
-                        raise _TooLong
+                        problem = f"{place} sent more than {LARGEST // 10**6} MB."
+                        raise ModelError(problem, "Check that it is the right endpoint.")
             finally:
                 response.close()
             dropped = ("content-encoding", "content-length", "transfer-encoding")
