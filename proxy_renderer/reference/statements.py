@@ -33,9 +33,9 @@ from .regions import PictureRegions
 class Statement:
     """A claim that the render resembles the reference image in one respect."""
 
-    trait: str  # one of `schema.options.table.TRAITS`
     word: str  # what it is called: "teal shadows"
     claim: ClaimText
+    trait: str = ""  # one of `schema.options.table.TRAITS`
     material: str = ""  # the scene's material that the claim is about; "" for a part of the image
 
 
@@ -83,9 +83,9 @@ def statements_by_place(picture: Tensor, alpha: np.ndarray | None, seen: GBuffer
         box = column / columns, row / rows, (column + 1) / columns, (row + 1) / rows
         place = f"{_WORDS[3 * row // rows]} {_SIDES[3 * column // columns]}"
         reason = f"as it is at the {place} of the picture"
-        cells.append(Statement("light", place, ClaimText("picture", "mean", box=box, reason=reason)))
+        cells.append(Statement(place, ClaimText("picture", "mean", box=box, reason=reason)))
     looks = [(name, ClaimText("thing", "mean", reason=f"as {name} looks in it")) for name in sorted({*seen.materials})]
-    materials = [Statement("materials", name, claim, name) for name, claim in looks]
+    materials = [Statement(name, claim, material=name) for name, claim in looks]
     said = []
     for each in (*sorted(cells, key=lambda cell: cell.word), *materials):
         claim, owners = each.claim, (each.material,) if each.material else ()
@@ -140,7 +140,8 @@ _THIRDS = {place: (0.0, n / 3, 1.0, (n + 1) / 3) for n, place in enumerate(_WORD
 def statements_of(regions: PictureRegions) -> list[Statement]:
     """Statements on an image of another scene."""
     reader = _Reader(regions)
-    return [*reader.grade(), *reader.light(), *reader.palette(), *reader.air()]
+    found = {"grade": reader.grade(), "light": reader.light(), "palette": reader.palette(), "air": reader.air()}
+    return [replace(said, trait=trait) for trait, statements in found.items() for said in statements]
 
 
 class _Reader:
@@ -150,9 +151,7 @@ class _Reader:
     def grade(self) -> Iterator[Statement]:
         """Tones, tints of shadows, midtones and lights, saturation, vignette."""
         for measure in _TONES:
-            (light,) = self._value(measure, "picture")
-            says = MEASURES[measure].says
-            said = self._near("grade", "tones", measure, "picture", CLOSE, f"{says} is L* {light:.0f}")
+            said = self._near("tones", measure, f"{MEASURES[measure].says} is L* {{:.0f}}", steps=CLOSE)
             # Black and white objects of the reference need not be in the scene.
             if measure == "black_point":
                 said = _with(said, upper=(max(*said.claim.upper, _BLACK),))
@@ -162,21 +161,17 @@ class _Reader:
                 said = _with(said, weight=_OF_CONTENT)
             yield said
         for measure, what in _CASTS.items():
-            name = hue(*self._value(measure, "picture"))
-            yield self._near("grade", f"{name} {what}", measure, "picture", CLOSE, f"its {what} are {name}")
-        (vivid,) = self._value("chroma", "picture")
+            name = hue(*self._value(measure))
+            yield self._near(f"{name} {what}", measure, f"its {what} are {name}", steps=CLOSE)
+        (vivid,) = self._value("chroma")
         word = "pale" if vivid < 10 else "vivid" if vivid > 35 else "colors"
-        said = self._near("grade", word, "chroma", "picture", CLOSE, f"its mean chroma is {vivid:.0f}")
+        said = self._near(word, "chroma", "its mean chroma is {:.0f}", steps=CLOSE)
         all_over = self.picture.lab[self.regions.counts][:, 1:].norm(dim=-1).quantile(_GRAYEST)
         yield _with(said, lower=(min(*said.claim.lower, _PAINTED, float(all_over)),))
-        (most,) = self._value("vividest", "picture")
-        reason = f"its most vivid colors have a chroma of {most:.0f}"
-        said = self._near("grade", "no gaudy colors", "vividest", "picture", LOOSE, reason)
+        said = self._near("no gaudy colors", "vividest", "its most vivid colors have a chroma of {:.0f}")
         yield _with(said, lower=(-math.inf,), change=0.0)  # more vivid colors that the scene has may stay
-        (fall,) = self._value("vignette", "picture")
         if min(corner_falls(self.picture), default=0.0) > _VIGNETTE:
-            reason = f"its corners are L* {fall:.0f} darker than its middle"
-            yield self._near("grade", "vignette", "vignette", "picture", LOOSE, reason)
+            yield self._near("vignette", "vignette", "its corners are L* {:.0f} darker than its middle")
 
     def light(self) -> Iterator[Statement]:
         """The light on a subject, and its contrast with the ground; nothing without a clear subject."""
@@ -184,18 +179,17 @@ class _Reader:
             return
         (range_,) = self._value("spread", "subject")
         word = "contrasty light" if range_ > 45 else "soft light" if range_ < 25 else "light"
-        reason = f"its subject ranges over L* {range_:.0f} from dark to light"
-        yield self._near("light", word, "spread", "subject", LOOSE, reason)
+        yield self._near(word, "spread", "its subject ranges over L* {:.0f} from dark to light", "subject")
         for measure, sides in (("from_right", ("right", "left")), ("from_above", ("above", "below"))):
             (slope,) = self._value(measure, "subject")
             if abs(slope) > _SIDED:
                 side = sides[slope < 0]
                 reason = f"its subject is L* {abs(slope):.0f} lighter on the side that is {side}"
-                yield self._near("light", f"light from {side}", measure, "subject", LOOSE, reason)
+                yield self._near(f"light from {side}", measure, reason, "subject")
         (above,) = self._value("standing_out", "subject")
-        word = "subject lighter than its ground" if above > 0 else "subject darker than its ground"
-        reason = f"its subject is L* {abs(above):.0f} {'lighter' if above > 0 else 'darker'} than the rest"
-        yield self._near("light", word, "standing_out", "subject", LOOSE, reason)
+        how = "lighter" if above > 0 else "darker"
+        reason = f"its subject is L* {abs(above):.0f} {how} than the rest"
+        yield self._near(f"subject {how} than its ground", "standing_out", reason, "subject")
 
     def palette(self) -> Iterator[Statement]:
         """The colors of subject, surroundings and sky; without a clear subject, of the upper, middle and lower third."""
@@ -210,10 +204,9 @@ class _Reader:
 
     def air(self) -> Iterator[Statement]:
         """Haze, if nothing in the image is dark or pure in color."""
-        (veil,) = self._value("veil", "picture")
-        if veil > _VEILED and self._value("black_point", "picture")[0] > _DARKEST:
-            reason = f"nothing in it is dark or pure in color: at least {veil:.0f} % of white lies over it"
-            yield self._near("air", "haze", "veil", "picture", LOOSE, reason)
+        if self._value("veil")[0] > _VEILED and self._value("black_point")[0] > _DARKEST:
+            reason = "nothing in it is dark or pure in color: at least {:.0f} % of white lies over it"
+            yield self._near("haze", "veil", reason)
 
     def _colors(self, part: Part, what: str, box: Values = ()) -> Iterator[Statement]:
         """Lightness and cast of a part; nothing if it has too few pixels.
@@ -224,33 +217,30 @@ class _Reader:
         """
         if self.regions.region(part, box) is None:
             return
-        all_over, own = self._value("cast", "picture"), self._value("cast", part, box)
+        all_over, own = self._value("cast"), self._value("cast", part, box)
         word = f"{hue(*(all_over if part == 'subject' else own))} {what}"
         if part == "subject":
-            reason = f"the light all over it is {hue(*all_over)}"
-            said = self._near("palette", word, "cast", "picture", LOOSE, reason)
+            said = self._near(word, "cast", f"the light all over it is {hue(*all_over)}")
             yield _with(said, part=part, change=0.0)
         else:
-            said = self._near("palette", word, "cast", part, LOOSE, f"its {what} is {hue(*own)}", box)
+            said = self._near(word, "cast", f"its {what} is {hue(*own)}", part, box)
             lower, upper = said.claim.lower, said.claim.upper
             ends = {"lower": tuple(map(min, lower, all_over)), "upper": tuple(map(max, upper, all_over))}
             yield _with(said, **ends) if box else said
-        (light,) = self._value("lightness", part, box)
-        reason = f"the mean lightness of its {what} is L* {light:.0f}"
-        said = self._near("palette", word, "lightness", part, LOOSE, reason, box)
+        said = self._near(word, "lightness", f"the mean lightness of its {what} is L* {{:.0f}}", part, box)
         yield _with(said, weight=_OF_CONTENT) if box else said
 
-    def _value(self, measure: str, part: Part, box: Values = ()) -> Values:
+    def _value(self, measure: str, part: Part = "picture", box: Values = ()) -> Values:
         where = self.regions.region(part, box)
         where = self.regions.counts if where is None else where
         return tuple(MEASURES[measure].take(self.picture, where).tolist())
 
     def _near(
-        self, trait: str, word: str, measure: str, part: Part, steps: float, reason: str, box: Values = ()
+        self, word: str, measure: str, reason: str, part: Part = "picture", box: Values = (), steps: float = LOOSE
     ) -> Statement:
-        """The statement that a measure has the value of the reference image, within a number of noticeable steps."""
-        value, notice = self._value(measure, part, box), MEASURES[measure].notice
-        reach = steps * notice / math.sqrt(len(value))
+        """The statement that a measure has the reference image's value, which fills `reason`, within a number of noticeable steps."""
+        value = self._value(measure, part, box)
+        reach = steps * MEASURES[measure].notice / math.sqrt(len(value))
         if MEASURES[measure].unit == "a*b*":
             # Spread of the colors around the cast, with the weights by which the cast is measured
             where = self.regions.region(part, box)
@@ -259,7 +249,7 @@ class _Reader:
             mixture = (weights @ (tints - weights @ tints).square()).mean().sqrt()
             reach = max(reach, _MIXED * float(mixture))
         lower, upper = tuple(v - reach for v in value), tuple(v + reach for v in value)
-        return Statement(trait, word, ClaimText(part, measure, lower, upper, box=box, reason=reason))
+        return Statement(word, ClaimText(part, measure, lower, upper, box=box, reason=reason.format(*value)))
 
 
 def _with(statement: Statement, **changes: Any) -> Statement:
