@@ -25,7 +25,7 @@ from ..reference.like import Reference
 from ..schema import Values
 from .least_squares import Descent
 from .rounds import starts
-from .rounds.confiner import Confined, RoundStart, Start
+from .rounds.confiner import Confined, RoundStart
 from .rounds.search import Missed, Search
 from .rounds.selection import Selection
 from .shots import ShotState
@@ -63,10 +63,10 @@ def run(search: Search) -> Outcome:
     return replace(outcomes[0], variants=outcomes) if search.several else outcomes[0]
 
 
-def refine(search: Search, start: Start) -> Outcome:
+def refine(search: Search, start: RoundStart) -> Outcome:
     """The rounds from one start."""
     ends: list[RoundEnd] = []
-    here: RoundStart | None = RoundStart.at(start)
+    here: RoundStart | None = start
     while here:  # 1: for r = 0 to R - 1
         began = time.monotonic()
         now = search.confine(here)  # 2: render, 3: parse, 4: compose, 5: confine, 7: project
@@ -76,7 +76,7 @@ def refine(search: Search, start: Start) -> Outcome:
         seconds = time.monotonic() - began
         # 16: the next θ is the end of the steps, of which Cycles renders an image
         ends.append(RoundEnd.seen(search, now, chosen, descent, seconds))
-        if start.drawn is None and nearest(ends) is ends[-1]:
+        if not start.near and nearest(ends) is ends[-1]:
             search.show(ends[-1].shots, ends[-1].u)
         here = next_round(search, ends)
     return outcome_of(search, start, ends, least_change(search, ends))  # 18
@@ -151,11 +151,12 @@ def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
     here = last.confined.here
     share, opening, astray = here.share, here.opening, best is not last
     too_wide = astray and opening > 0.0
-    if has_claims and here.start.drawn is None:
+    if has_claims and not here.near:
         opening = 0.0 if too_wide else min(opening + OPENING, WIDEST)
     if astray and not too_wide:
         share *= 0.5
-    return RoundStart(here.start, best.u, best.shots, here.number + 1, last.confined.plan, share, opening)
+    plan, number = last.confined.plan, here.number + 1
+    return replace(here, u=best.u, shots=best.shots, number=number, earlier=plan, share=share, opening=opening)
 
 
 def is_stuck(search: Search, ends: Sequence[RoundEnd]) -> bool:
@@ -180,7 +181,7 @@ def claims_words(shots: Sequence[ShotState]) -> bool:
 def least_change(search: Search, ends: Sequence[RoundEnd]) -> RoundEnd:
     """The best end, with supporting parameters moved back, see `eased`, if a Cycles image confirms that no more claims are missed."""
     best = nearest(ends)
-    if not claims_words(best.shots) or best.confined.here.start.drawn is not None or search.clock.stopped:
+    if not claims_words(best.shots) or best.confined.here.near or search.clock.stopped:
         return best
     u = eased(search, best.shots, best.confined.plan, best.u)
     if u is None:
@@ -221,10 +222,10 @@ def _distances(shots: Sequence[ShotState], u: Tensor) -> Tensor:
     return torch.stack(found)
 
 
-def outcome_of(search: Search, start: Start, ends: Sequence[RoundEnd], best: RoundEnd) -> Outcome:
+def outcome_of(search: Search, start: RoundStart, ends: Sequence[RoundEnd], best: RoundEnd) -> Outcome:
     """The result of the rounds from a start."""
     plan = best.confined.plan
-    if start.drawn is not None:
+    if start.near:
         plan = starts.with_reasons(plan, search.vector, best.u)
     records = [end.record for end in ends]
     return Outcome(

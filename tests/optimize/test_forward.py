@@ -7,7 +7,7 @@ from loop_parts import Silent, search_for
 
 from proxy_renderer.optimize import objective as objectives
 from proxy_renderer.optimize.objective import backward_slopes, forward_slopes, gradients, pictures_for
-from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
+from proxy_renderer.optimize.rounds.confiner import RoundStart
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.schema.messages import Options
 
@@ -19,7 +19,7 @@ def begun(scene, encoder):
     """A round's objective, and where it begins."""
     search = search_for([ShotInput(scene)], PROMPT, Options(rounds=1, size=48), encoder, Silent(), None)
     home = search.vector.encode({})
-    now = search.confine(RoundStart.at(Start(home, search.shots)))
+    now = search.confine(RoundStart(home, search.shots))
     return search.select(now, now.u).objective, now
 
 

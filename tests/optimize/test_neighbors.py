@@ -6,7 +6,7 @@ import torch
 from loop_parts import Silent, search_for
 
 from proxy_renderer.optimize.objective import difference_slopes, neighbors
-from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
+from proxy_renderer.optimize.rounds.confiner import RoundStart
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.schema.messages import Options
@@ -21,7 +21,7 @@ def begun(scene, encoder):
     """A round's objective, and where it begins."""
     search = search_for([ShotInput(scene)], PROMPT, Options(rounds=1, size=48), encoder, Silent(), None)
     home = search.vector.encode({})
-    now = search.confine(RoundStart.at(Start(home, search.shots)))
+    now = search.confine(RoundStart(home, search.shots))
     return search.select(now, now.u).objective, now.u
 
 

@@ -23,33 +23,18 @@ _NEAR = 0.25  # share of a range, on either side of a variant's start, in which 
 
 
 @dataclass(frozen=True)
-class Start:
-    """The start of a refinement, which is one or several rounds."""
-
-    u: Tensor  # (N,) the point
-    shots: Sequence[ShotState]  # with the corrections so far
-    # (N,) bool, components that stay near the start, so that variants stay different; None if all are free
-    drawn: Tensor | None = None
-    first: int = 0  # number of the first round, counted over all starts
-    turned: Mapping[str, PlanEntry] = field(default_factory=dict)  # entries that replace those of the plan
-
-
-@dataclass(frozen=True)
 class RoundStart:
     """A round before it is planned."""
 
-    start: Start  # of the refinement
     u: Tensor  # (N,) the point where the round begins
     shots: Sequence[ShotState]  # with the correction at u
-    number: int  # of the round, counted over all starts, from 0
-    earlier: Plan  # the plan of the round before; empty for the first
+    number: int = 0  # of the round, counted over all starts
+    earlier: Plan = field(default_factory=Plan)  # the plan of the round before; empty for the first
     share: float = 1.0  # share of each component's feasible range by which the round may move from u
     opening: float = 0.0  # share of its width by which a range that words name opens at either end
-
-    @classmethod
-    def at(cls, start: Start) -> RoundStart:
-        """The first round from a start."""
-        return cls(start, start.u, start.shots, start.first, Plan())
+    # for a variant, the components (N,) bool that stay near a point (N,), so that variants stay different, and the point
+    near: tuple[Tensor, Tensor] | None = None
+    turned: Mapping[str, PlanEntry] = field(default_factory=dict)  # a variant's own entries of the plan
 
 
 @dataclass
@@ -100,8 +85,7 @@ class Confiner:
         self, advice: Advice, u: Tensor, here: RoundStart, shots: Sequence[ShotState], claims: Sequence[Claim]
     ) -> Confined:
         """The round of an advice: its plan, the ranges, their box, and u (N,) projected into the box."""
-        drawn, vector = here.start.drawn, self._vector
-        plan = Plan({**advice.plan, **here.start.turned}, advice.plan.notes)
+        vector, plan = self._vector, Plan({**advice.plan, **here.turned}, advice.plan.notes)
         ranges = feasible_ranges(plan, vector.instances, vector.values(u))
         if here.opening:
             # Ranges that words name open, but not those of finishes: with a wider range a finish would not be what its word says.
@@ -111,15 +95,16 @@ class Confiner:
             measured = {f"film/{c.measure}" for c in claims if c.word and c.part == "picture"}
             whole = [key for key in named if parameters[key].family in measured]
             share = torch.where(vector.mark(named), here.opening, 0.0).masked_fill(vector.mark(whole), math.inf)
-            low, high = map(vector.plain, opened(*vector.bounds(ranges), share, vector.encode({})))
-            ranges |= {key: (low[key], high[key]) for key in named}
+            wider = [vector.plain(end) for end in opened(*vector.bounds(ranges), share, vector.encode({}))]
+            ranges |= {key: (wider[0][key], wider[1][key]) for key in named}
         for key, widest in self._widest.items():  # lights do not grow into surfaces
-            low_end, high_end = ((min(end[0], widest),) for end in ranges[key])
-            ranges[key] = low_end, high_end
+            (low,), (high,) = ranges[key]
+            ranges[key] = (min(low, widest),), (min(high, widest),)
         lower, upper = vector.bounds(ranges)
-        if drawn is not None:
-            near = around(here.start.u, lower, upper, _NEAR)
-            lower, upper = torch.where(drawn, near[0], lower), torch.where(drawn, near[1], upper)
+        if here.near:
+            some, point = here.near
+            low_end, high_end = around(point, lower, upper, _NEAR)
+            lower, upper = torch.where(some, low_end, lower), torch.where(some, high_end, upper)
         lower, upper = around(u, lower, upper, here.share)
         return Confined(advice, plan, ranges, lower, upper, project(u, lower, upper), shots, here)
 

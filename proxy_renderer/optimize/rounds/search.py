@@ -133,7 +133,7 @@ class Search:
         rows = zip(shots, self._artist, self._guidance, strict=True)
         first, *others = (replace(shot.judged(self.claims, image, u), guidance=g) for shot, image, g in rows)
         shots = [first, *(shot.planned(advice.plan) for shot in others)]
-        if not here.earlier and here.start.drawn is None:
+        if not here.earlier and not here.near:
             u = start_point(self.vector, advice.plan, u)
         now = self.confiner.confined(advice, u, here, shots, self.claims)
         if begins:

@@ -17,7 +17,7 @@ from ...planning.types import Plan, PlanEntry
 from ...schema import Instance
 from ..least_squares import fixed_views
 from ..vector import ParameterVector, feasible_ranges
-from .confiner import Confined, RoundStart, Start
+from .confiner import Confined, RoundStart
 from .search import Search
 
 _COARSE_STEPS = 8
@@ -36,37 +36,38 @@ _CELLS = 16  # rows and columns of the grid whose cells are compared
 _LAST = 99  # priority of varied parameters, which no word names
 
 
-def find_starts(search: Search) -> list[Start]:
+def find_starts(search: Search) -> list[RoundStart]:
     """One start: the artist's scene, or with the option `starts` the drawn point of least loss; or one start for each variant.
 
     The first variant starts at the plan's own point, others at those of several drawn points that look most different after a few steps.
     """
     home, options = search.vector.encode({}), search.options
     number = max(options.starts, _PER_VARIANT * options.variants if search.several else 1)
-    artist = Start(home, search.shots)
+    artist = RoundStart(home, search.shots)
     if number == 1:
         return [artist]
-    now = search.confine(RoundStart.at(artist))
+    now = search.confine(artist)
     plan = roam(search.vector.instances, now.plan) if search.several else now.plan
     box = search.vector.bounds(feasible_ranges(plan, search.vector.instances, search.vector.values(home)))
     drawn = draw_starts(search.vector, plan, now.u, box, number, options.seed)
     search.observer.stage(f"trying {number} starts")
     tried = []
     for point in drawn:
-        here = RoundStart.at(Start(point, now.shots, turned=turned(now.plan, search.vector, point)))
+        here = RoundStart(point, now.shots, turned=turned(now.plan, search.vector, point))
         there = search.confiner.confined(now.advice, point, here, now.shots, search.claims)
         tried.append(_coarse_pass(search, point, there))
         if search.observer.stopped():
             break
     losses = [loss for _, loss, _ in tried]
     if not search.several:
-        return [Start(tried[losses.index(min(losses))][0], now.shots)]
+        return [RoundStart(tried[losses.index(min(losses))][0], now.shots)]
     best, *others = most_diverse([display for _, _, display in tried], losses, options.variants)
     own = search.vector.mark(k for k, e in plan.items() if e.priority is not None and k != "film/exposure")
-    starts = [Start(tried[best][0], now.shots)]
+    starts = [RoundStart(tried[best][0], now.shots)]
     for place, i in enumerate(others, 1):
         u = tried[i][0]
-        starts.append(Start(u, now.shots, own, place * search.rounds, turned(now.plan, search.vector, u)))
+        turn = turned(now.plan, search.vector, u)
+        starts.append(RoundStart(u, now.shots, place * search.rounds, near=(own, u), turned=turn))
     return starts
 
 
