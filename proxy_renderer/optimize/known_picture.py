@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Cycles image that a vibe ended with: a further sentence starts with it and needs no new render."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace

@@ -24,13 +24,10 @@ from .shots import ShotState, chosen_values
 from .vector import ParameterVector, start_point
 
 _PICTURES = 5  # images that take as long to draw as one backward pass
-
-_NAMED = 0.15
-"""Weight of the pull to a start that words name, as a named color: claims override this pull, similarity alone does not."""
+_NAMED = 0.15  # weight of the pull to a start that words name: claims override this pull, similarity alone does not
 _UNNAMED = 100.0  # added weight of keeping hue for colors without words: a floor may get lighter, not greener
 _GRAY = 1e-4  # largest difference between the components of a gray, in u
 _BETWEEN_GRAYS = 8.0  # added weight, if both ends of a range are gray: shadows may be lifted, not tinted
-
 _TOGETHER = 32  # most backward passes in one batch: each needs the memory of a pass
 _NEAR = 5.0  # values farther inside of an aim, in noticeable steps, get no gradients: no step leaves it
 _STEP = 0.02  # share of its range by which a component is moved: large, for moved shadows have some grain

@@ -32,12 +32,8 @@ from .shots import ShotState
 from .vector import ParameterVector
 
 CONVERGED = 0.005  # a round, other than the first, that lowers the loss by a smaller share is the last one
-
-OPENING, WIDEST = 0.5, 1.0
-"""Share of a range by which it opens at both ends in each further round while claims are missed; the largest sum of these."""
-
+OPENING, WIDEST = 0.5, 1.0  # share of a range's width that each further round adds at both ends; largest sum
 PATIENCE = 2  # number of rounds in a row that come no nearer to the words' claims, after which the loop ends
-
 WORTH, WORTH_LIKE = 0.1, 0.05
 """Share of the distance from the claims. A round that satisfies no further claim and reduces the distance by a smaller share is the
 last: an artist sees no difference. The second is for a reference image of the same scene, whose many places add up."""

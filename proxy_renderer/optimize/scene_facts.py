@@ -30,8 +30,6 @@ from ..schema.parameters import Region
 from ..words.types import LightDescription, MaterialLook, PictureStats, SceneDescription
 
 _SIDE = 64  # rays along each side of the image
-_GLOWS = 0.05  # radiance from which a surface glows
-_CLIPPED = 4.0  # largest component of a glow that counts: a stronger glow looks no paler
 # z of normals: level surfaces have more, upright ones less (absolute), parts of a roof more
 _LEVEL, _UPRIGHT, _SLOPED = 0.9, 0.25, 0.2
 _FLAT = 0.15  # largest standard deviation of z over a roof
@@ -230,10 +228,10 @@ def _glow(scene: SceneData, material: Material) -> Values | None:
     if computed := material.maps.get("emission_color"):
         emitted = tuple(computed.image[..., :3].reshape(-1, 3).mean(0).tolist())
     brightest = max(emitted)
-    if strength * brightest < _GLOWS:
+    if strength * brightest < 0.05:  # too faint to be seen as a glow
         return None
-    # Clipping makes a strong glow paler than its emission color.
-    clipped = max(min(strength * brightest, _CLIPPED), 1.0) / brightest
+    # Clipping makes a strong glow paler than its emission color; one above 4 looks no paler.
+    clipped = max(min(strength * brightest, 4.0), 1.0) / brightest
     return srgb_from_linear([min(clipped * c, 1.0) for c in emitted])
 
 

@@ -32,7 +32,6 @@ from .vector import ParameterVector, exposed_through_air
 
 SAMPLES = 16  # samples per pixel of an anchor
 LONGEST = 30.0  # seconds that an anchor may take; after a slower one no more are requested
-_FAILURES = 2  # failures in a row after which no more anchors are requested
 
 AnchorRequest = Callable[[messages.Anchor], messages.Anchored | None]  # to Blender; None to end the loop
 
@@ -69,7 +68,7 @@ class BlenderPictures:
                 raise VibeError(f"it has {picture.size} pixels instead of {size}")
         except VibeError as error:
             self._failures += 1
-            self._over = self._failures >= _FAILURES
+            self._over = self._failures == 2  # in a row
             note = f"Without a Cycles picture for a while: {error.message.rstrip('.')}."
             self.notes += [note] if note not in self.notes else []
             return None

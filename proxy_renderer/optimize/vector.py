@@ -193,8 +193,6 @@ def nearest_turn(instance: Instance, lower: Values, upper: Values, value: Values
 
 DENSITY, EXPOSURE = "volume/density", "film/exposure"
 _BRIGHTEST, _AROUND = 5.0, 1.0  # stops: the largest correction, and how far the search may go from it, up or down
-_LEAST = 0.25  # stops below which nothing is corrected
-_BLACK = 1e-5  # least linear luminance that is counted
 
 
 def exposed_through_air(plan: Plan, vector: ParameterVector, linear: Callable[[Tensor], Tensor]) -> Plan:
@@ -212,10 +210,10 @@ def exposed_through_air(plan: Plan, vector: ParameterVector, linear: Callable[[T
     clear = torch.where(vector.mark([DENSITY]), home, filled)
     with torch.no_grad():
         # The mean cube root of luminance is a lightness in which a few bright pixels count little.
-        roots = (luminance(linear(point)).clamp_min(_BLACK).pow(1 / 3) for point in (clear, filled))
+        roots = (luminance(linear(point)).clamp_min(1e-5).pow(1 / 3) for point in (clear, filled))
         light, left = (float(root.mean()) for root in roots)
     stops = 3.0 * math.log2(light / left)
-    if stops < _LEAST:
+    if stops < 0.25:
         return plan
     start = vector.instances[EXPOSURE].value[0] + min(stops, _BRIGHTEST)
     lower, upper = min(film.lower[0], start - _AROUND), max(film.upper[0], start + _AROUND)

@@ -41,21 +41,16 @@ class Statement:
 
 _WORDS = ("upper", "middle", "lower")
 _SIDES = ("left", "middle", "right")
-_ASPECT = 0.02  # share by which proportions may differ
 _ALIKE = 0.4
 """Correlation of edges from which two images show one scene. Before and after a vibe it is .51 to .98 (19 scenes), for two
 different scenes .26 at most (240 pairs)."""
-_EDGES = 128  # longer side at which edges are compared, pixels
-_SEEN = 0.99  # least alpha of a pixel that is compared
-_FLAT = 1.0  # Lab distance per pixel; smaller slopes are hardly edges
-_LONGER = 12  # cells along the longer side
 _EXACT = 0.5  # noticeable steps by which the color of a cell or a material may differ
 
 
 def is_same(reference: Tensor, rendered: Tensor) -> bool:
     """True if two images (H, W, 3) show the same things in the same places, however lit: if their edges correlate."""
     one, other = (picture.shape[1] / picture.shape[0] for picture in (reference, rendered))
-    shape = small_size(rendered.shape[0], rendered.shape[1], _EDGES)
+    shape = small_size(rendered.shape[0], rendered.shape[1], longest=128)
     maps = []
     for picture in (reference, rendered):
         planes = F.interpolate(picture.detach().cpu().float().permute(2, 0, 1)[None], shape, mode="area")
@@ -64,9 +59,9 @@ def is_same(reference: Tensor, rendered: Tensor) -> bool:
         # Relative to the mean slope around, edges in a dim corner count as much. The logarithm compresses strengths, which a change
         # of light changes, unlike the places of edges.
         around = F.avg_pool2d(slopes[None, None], 31, 1, 15, count_include_pad=False)[0, 0]
-        maps.append((1 + slopes / (around + 0.2 * _FLAT)).log().flatten())
+        maps.append((1 + slopes / (around + 0.2)).log().flatten())
     likeness = float(torch.nan_to_num(torch.corrcoef(torch.stack(maps))[0, 1]))
-    return abs(one / other - 1) < _ASPECT and likeness > _ALIKE
+    return abs(one / other - 1) < 0.02 and likeness > _ALIKE
 
 
 def statements_by_place(picture: Tensor, alpha: np.ndarray | None, seen: GBuffer) -> list[Statement]:
@@ -74,10 +69,10 @@ def statements_by_place(picture: Tensor, alpha: np.ndarray | None, seen: GBuffer
     measured = MeasuredPicture.of(picture, seen)
     hidden = torch.zeros_like(seen.subject, dtype=torch.bool)
     if alpha is not None:
-        hidden = F.interpolate(torch.from_numpy(alpha)[None, None], seen.subject.shape, mode="area")[0, 0] < _SEEN
+        hidden = F.interpolate(torch.from_numpy(alpha)[None, None], seen.subject.shape, mode="area")[0, 0] < 0.99
     cells = []
     height, width = seen.subject.shape
-    step = max(height, width) / _LONGER
+    step = max(height, width) / 12  # cells along the longer side
     rows, columns = max(round(height / step), 1), max(round(width / step), 1)
     for row, column in itertools.product(range(rows), range(columns)):
         box = column / columns, row / rows, (column + 1) / columns, (row + 1) / rows
@@ -116,15 +111,12 @@ def hue(a: float, b: float) -> str:
 
 
 CLOSE, LOOSE = 1.5, 2.5  # noticeable steps from the image's value to either end of a claim
-# share of the spread of a part's a*, b* by which its cast may differ: in mixed colors it says little
-_MIXED = 0.35
-
+_MIXED = 0.35  # share of the spread of a part's a*, b* by which its cast may differ: in mixed colors it says little
 _PAINTED, _GRAYEST = 18.0, 0.3
 """Greatest mean chroma that a claim asks for, and a quantile of the pixels' chroma that it does not exceed either. Color that
 the grayest third of an image lacks is paint, which the scene may not have."""
 
-_OF_CONTENT = 0.5
-"""Weight of claims on quartiles of tones and on the lightness of thirds, which depend on black and white objects, too."""
+_OF_CONTENT = 0.5  # weight of claims on quartiles and on the lightness of thirds: black and white objects count in them
 _BLACK, _WHITE = 12.0, 80.0
 """L* that looks black, and white. A reference image with a black object in it asks for no darker black point, which would
 only darken the shadows of a scene without such an object."""

@@ -44,7 +44,6 @@ def jpeg_of(picture: Tensor | Image.Image) -> bytes:
 
 
 _FORMATS = ("json_schema", "json_object", "text")
-_MOST_TOKENS = 8192  # a plan has one or two thousand; the rest is for models that think first
 _TEMPERATURE = re.compile(r"temperature", re.IGNORECASE)
 _LIMIT = re.compile(r"max_(completion_)?tokens", re.IGNORECASE)
 _FORMAT = re.compile(r"response_format|json_schema|json_object|schema|grammar|structured|json mode", re.IGNORECASE)
@@ -92,7 +91,7 @@ class Dialect:
         if self._temperature:
             body["temperature"] = 0
         if self._limit:
-            body[self._limit] = _MOST_TOKENS
+            body[self._limit] = 8192  # a plan has one or two thousand; the rest is for models that think first
         messages = [{"role": "system", "content": system}, {"role": "user", "content": content}, *earlier]
         return {**body, "messages": messages}
 
@@ -147,7 +146,6 @@ class Cache:
 
 
 _VERSION = 1  # of the questions and the reading of answers; a new one invalidates the cache
-_REFUSALS = 8  # requests that a server may refuse before it counts as useless
 _AGAIN = "That was not what was asked for. Reply exactly in the form that was asked for, and with nothing else."
 
 
@@ -233,7 +231,7 @@ class Client:
 
     def _speak(self, question: Question, earlier: list[dict[str, Any]], end: float) -> Completion:
         """One answer; leaves out options until the server accepts the request. `end` is a monotonic time."""
-        for _ in range(_REFUSALS):
+        for _ in range(8):  # refusals, until the server counts as useless
             body = self.dialect.body(self.endpoint.model, question, earlier)
             try:
                 self.usage.calls += 1

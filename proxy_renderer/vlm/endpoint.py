@@ -4,6 +4,7 @@
 import ipaddress
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from urllib.parse import urlsplit
 
@@ -30,12 +31,9 @@ class Endpoint:
     def local(self) -> bool:
         """True if its URL stays on this computer (a loopback address)."""
         host = urlsplit(self.url).hostname or ""
-        if host == "localhost" or host.endswith(".localhost"):
-            return True
-        try:
+        with suppress(ValueError):
             return ipaddress.ip_address(host).is_loopback
-        except ValueError:
-            return False
+        return host == "localhost" or host.endswith(".localhost")
 
     @property
     def place(self) -> str:
@@ -91,10 +89,9 @@ def _check(url: str) -> None:
 
 
 def _seconds(text: str) -> float:
-    try:
+    seconds = 0.0
+    with suppress(ValueError):
         seconds = float(text or _SECONDS)
-    except ValueError:
-        seconds = 0.0
     if not 1.0 <= seconds <= 3600.0:
         raise VibeError(f"VIBE_VLM_TIMEOUT {text[:20]!r} is no time limit.", "Use 1 to 3600 seconds.")
     return seconds

@@ -17,7 +17,6 @@ from ..schema import VibeError
 from .endpoint import OPENAI, Endpoint
 
 _SECRET = 12  # characters; a shorter key is not scrubbed, real ones have 20 or more
-_TRIES = 200  # most opening braces in a text at which the object is looked for
 
 
 def find_object(text: str, names: Collection[str]) -> dict[str, Any]:
@@ -28,7 +27,7 @@ def find_object(text: str, names: Collection[str]) -> dict[str, Any]:
 
     text = text.rpartition("</think>")[2]
     decoder = json.JSONDecoder(parse_constant=refuse)
-    for brace in islice(re.finditer("{", text), _TRIES):
+    for brace in islice(re.finditer("{", text), 200):
         with suppress(ValueError, RecursionError):
             candidate, _ = decoder.raw_decode(text, brace.start())
             if any(name in candidate for name in names):

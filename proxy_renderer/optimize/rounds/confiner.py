@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lines 3 to 5 and 7 of Algorithm 1: the plan of a round, its ranges, and the box in u that they make."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -31,7 +31,6 @@ from .key_start import with_key_turned
 from .method import Method
 from .selection import Selection
 
-_VALUES = 48  # least number of parameters that a round for a reference image may optimize
 _STRIDE, _FURTHER_STRIDE = 0.05, 0.25
 """Share of a value's whole range. If the projection moves no value by more, no new anchor is rendered. The second is for a further
 sentence, which begins near its result."""
@@ -68,7 +67,7 @@ class Search:
         written = stage.goals.pictured if isinstance(stage.goals, Goals) else ()
         self.pictured = bool(self.reference or written)  # whether the goals have wishes of a reference image
         if self.pictured:  # a reference image is about all of light and grade at once
-            options = replace(options, top_k=max(options.top_k, _VALUES))
+            options = replace(options, top_k=max(options.top_k, 48))
         self.options = options
 
         def proxy(scene: SceneData) -> Proxy:

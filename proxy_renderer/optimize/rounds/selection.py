@@ -25,11 +25,8 @@ from ..vector import ParameterVector
 from .confiner import Confined
 
 _HALF = 1.5  # added to a parameter's priority number for each halving of its gain
-_MISSED = 3.0
-"""More of that per unit of `RoundStart.opening`: if claims stay missed for rounds, gain counts more than what words name."""
-
+_MISSED = 3.0  # more of that per unit of `RoundStart.opening`: while claims stay missed, gain counts more than words
 _FAINTEST = 2.0**-20  # least share of the largest gain that is counted
-
 _WORTH = 1.0  # noticeable steps that supporting parameters have to gain to be candidates at all
 ALIKE = 0.9  # share of a parameter's effect on the claims, reproduced by another, above which both are alike
 _NOTHING_NEW = 0.1  # share of its gain alone that is left next to an alike one, up to which it is held

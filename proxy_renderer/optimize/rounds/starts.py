@@ -20,7 +20,6 @@ from ..vector import ParameterVector, feasible_ranges
 from .confiner import Confined, RoundStart
 from .search import Search
 
-_COARSE_STEPS = 8
 VARIED = "left open by the words: varied, so that the variants differ"
 _PER_VARIANT = 3  # starts that are tried for each variant: some have a high loss, some look alike
 _ROAM: dict[str, tuple[float, float, bool]] = {  # how far down and up, and whether by factors
@@ -33,7 +32,6 @@ _ROAM: dict[str, tuple[float, float, bool]] = {  # how far down and up, and whet
 """Families that may differ between variants if the words leave them open. Lights turn together, by the same share."""
 _OF_RIGS = 0.45  # share of those degrees by which a rig's lights may turn, so that they still fit their word
 _CELLS = 16  # rows and columns of the grid whose cells are compared
-_LAST = 99  # priority of varied parameters, which no word names
 
 
 def find_starts(search: Search) -> list[RoundStart]:
@@ -82,7 +80,7 @@ def _coarse_pass(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, 
     chosen = search.select(now, point, few)
     movable = search.vector.mark(chosen.keys) & (now.upper > now.lower)
     here, seed, loss = replace(now, u=point), search.options.seed, 0.0
-    u = search.method.descend(here, chosen, movable, _COARSE_STEPS, seed, lambda *_: search.observer.stopped()).u
+    u = search.method.descend(here, chosen, movable, 8, seed, lambda *_: search.observer.stopped()).u
     with torch.no_grad():
         for shot in now.shots:
             assert shot.guidance is not None
@@ -130,7 +128,7 @@ def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
         value, share = instance.value[0], _OF_RIGS if entry.varies else 1.0
         low, high = ((value * end if factors else value + share * end) for end in ends)
         low, high = max(low, instance.lower[0]), min(high, instance.upper[0])
-        roaming[key] = PlanEntry((low,), (high,), _LAST, VARIED, prior=0.0)
+        roaming[key] = PlanEntry((low,), (high,), 99, VARIED, prior=0.0)  # after those that words name
     return roaming
 
 
