@@ -58,7 +58,6 @@ class RoundObjective:
         self.claim_weight = weights.claims
         self._box, self._weights, self._differences = box, weights, differences
         self._span = (box[1] - box[0]).clamp_min(1e-9)
-        self._moves = self._moves_camera(self.free)
 
         # Each component's pull home: the point, and the weight in [0, 1], which is 0 if words name a range
         artist = vector.encode({})
@@ -67,6 +66,7 @@ class RoundObjective:
         for key in free:
             self._pull[vector.slices[key]] = plan[key].prior if plan[key].start is None else _NAMED
         parameters = {key: vector.instances[key].parameter for key in sorted(free)}
+        self._camera = {key for key, p in parameters.items() if p.group == "camera"}
         scene = [key for key, p in parameters.items() if p.group != "material"]
         self._supports = vector.mark(key for key in scene if not plan[key].is_named)
 
@@ -113,7 +113,7 @@ class RoundObjective:
         guidance = self.seen[shot].guidance
         assert guidance is not None
         terms = guidance(picture.display, picture.mask, generator)
-        if self._moves:
+        if self._camera:
             terms["border"] = self._weights.border * border_loss(picture.mask)
         return terms
 
@@ -148,7 +148,7 @@ class RoundObjective:
             stride = self.vector.strides(u)
             strides = torch.where(u + stride <= box[1], stride, -stride)
             found = difference_slopes(neighbors(self.seen, self.judge, u, strides), u, chosen, strides)
-        elif self._moves_camera(keys) or pictures_for(self.seen, keys) > _PICTURES * values * len(self.seen):
+        elif keys & self._camera or pictures_for(self.seen, keys) > _PICTURES * values * len(self.seen):
             found = backward_slopes(self.assess, u, chosen)
         else:
             found = forward_slopes(self.seen, self.judge, u, chosen, box)
@@ -156,9 +156,6 @@ class RoundObjective:
         assert found.here.finish is not None
         faked = found.here.finish[:, None] & self._supports[chosen]
         return found._replace(values=found.values.masked_fill(faked, 0.0))
-
-    def _moves_camera(self, keys: Collection[str]) -> bool:
-        return any(self.vector.instances[key].parameter.group == "camera" for key in keys)
 
 
 def backward_slopes(assess: Callable[[Tensor], Assessment], u: Tensor, chosen: Tensor) -> Slopes:

@@ -92,9 +92,7 @@ class Outcome:
     claims: tuple[Claim, ...]  # of words and reference image
     shots: Sequence[ShotState]  # with their proxies corrected at u
     loss: float  # at u, at the end of its round
-    # one record per round: parameters, loss at start and end, its terms, the end's distance from the words'
-    # claims, steps, seconds
-    rounds: list[dict[str, Any]]
+    rounds: list[dict[str, Any]]  # one record per round, see `RoundEnd.seen`
     descent: Descent | None = None  # of the round that ended at u
     reference: Reference | None = None  # the image that replaces words, or adds to them
     stopped: bool = False  # whether the observer ended the loop

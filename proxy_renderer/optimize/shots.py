@@ -44,8 +44,7 @@ class BlenderPictures:
         self._number = self._failures = 0
         self._over = False
         self.seconds: list[float] = []  # Blender's time for each image
-        # seconds that requests had to wait because Blender was busy, as with the image of the artist's values
-        self.waited = 0.0
+        self.waited = 0.0  # seconds that requests waited because Blender was busy, as with the artist's image
         self.notes: list[str] = []  # failures, in words for the artist
 
     def __call__(self, values: dict[str, list[float]], size: tuple[int, int]) -> CyclesPicture | None:
@@ -89,8 +88,7 @@ class AnchorState:
     """A proxy's correction by a Cycles image, the anchor."""
 
     correction: Correction | None = None  # None for the uncorrected proxy
-    # (N,) the point of the anchor, where the correction is exact; None without an anchor that is still valid
-    u: Tensor | None = None
+    u: Tensor | None = None  # (N,) the point where the correction is exact; None without an anchor that is still valid
     earlier: Correction | None = None  # the correction before, which tells how good the last prediction was
     picture: CyclesPicture | None = None  # the anchor
 
@@ -130,15 +128,12 @@ class ShotState:
     proxy: Proxy  # one for all states of a shot; to draw, use `corrected`
     source: PictureSource | None = None  # of Cycles images
     anchor: AnchorState = field(default_factory=AnchorState)  # the proxy's correction
-    # one per anchor, shared by all states: the number of the round, and the mean CIEDE2000 between the proxy's
-    # images before and after the correction by the anchor
-    records: list[dict[str, Any]] = field(default_factory=list)
+    records: list[dict[str, Any]] = field(default_factory=list)  # one per anchor, shared by all states, see `anchored`
     guidance: Guidance | None = None  # judges images by the round's advice; calibrated on the artist's image
     before: MeasuredPicture | None = None  # the proxy's image of the artist's values; None before the loop
     claims: ClaimSet | None = None  # about the shot's images; None before the loop
-    # the camera's view in which the claims are measured, and the point (N,) that it belongs to
-    seen: GBuffer | None = None
-    _seen_at: Tensor | None = None
+    seen: GBuffer | None = None  # the camera's view in which the claims are measured
+    _seen_at: Tensor | None = None  # (N,) the point that it belongs to
     _last: tuple[Tensor, Render] | None = None  # cache: the point of the last image, and the image
 
     @property

@@ -28,7 +28,6 @@ from .scene_facts import described
 
 _SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim", "kicker", "bounce")}
 """Lights that single words may need, as "rim light", if they ask for no rig; the last two if the scene already has such a light."""
-_ADDED = ("rim light", "fill light")  # targets of words about a light that a further sentence adds
 
 
 @dataclass(frozen=True)
@@ -104,7 +103,7 @@ def set_stage(
 
 def _about_added(understood: Understood) -> list[str]:
     """Targets for colors of light without a target of their own: in "another rim light, warm" the added light is warm."""
-    added = [word.target for word in understood.words if word.target in _ADDED]
+    added = [word.target for word in understood.words if word.target in ("rim light", "fill light")]
     if len(added) != 1:
         return []
     tones = [a for a in understood.parsed.attributes if a.kind == "tone" and not a.cause]

@@ -29,7 +29,6 @@ from .transport import ModelError, clean
 
 _MOST_OBJECTS, _MOST_TEXTS, _MOST_ENTRIES = 12, 8, 200
 _CAPTION, _WORD, _REASON = 160, 60, 160
-_LAST = 99  # greatest priority
 _NARROWEST = 0.04  # least width of a range on the perceptual scale: the gradient finds the exact value
 _DEGREES = 10.0  # least width of an angle's range, if that is narrower
 _NEGATION = re.compile(r"\b(no|not|never|without|n't)\b", re.IGNORECASE)
@@ -144,7 +143,7 @@ def _add_entry(item: Any, table: AliasTable, reply: Reply) -> None:
     priority = item.get("priority")
     number = priority if isinstance(priority, int) and not isinstance(priority, bool) else 5
     reason = clean(item.get("reason"), _REASON) or "part of the look"
-    reply.entries[instance.key] = PlanEntry(*wide, min(max(number, 1), _LAST), f"model: {reason}", prior=0.0)
+    reply.entries[instance.key] = PlanEntry(*wide, min(max(number, 1), 99), f"model: {reason}", prior=0.0)
 
 
 def widened(instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:

@@ -37,12 +37,9 @@ sentence, which begins near its result."""
 
 
 class Missed(NamedTuple):
-    """Distance of images from the words' claims; a smaller tuple is better.
+    """Distance of images from the words' claims; a smaller tuple is better."""
 
-    A claim that is missed by far, as when the subject is hardly visible, counts more than two that are nearly satisfied.
-    """
-
-    distance: float  # sum over the claims' misses, see `claims_loss`
+    distance: float  # sum of misses, see `claims_loss`: a large one counts more than two small ones
     claims: int  # number of claims that are not satisfied
 
 
@@ -78,7 +75,13 @@ class Search:
         self.vector, self.shots = gathered([replace(v, scene=scene) for v, scene in staged], options, proxy)
         described = stage.understood.scene
         words = bool(stage.understood.prompt.strip()) or isinstance(stage.goals, Goals)
-        self._offline, asked = (self._with_picture(each, words) for each in (stage.advisor, advisor or stage.advisor))
+        advisors: list[Advisor] = [stage.advisor, advisor or stage.advisor]
+        if self.reference:
+            if len(self.shots) > 1:  # the image shows at most one of the shots
+                self.reference.same = False
+            seen = partial(self.shots[0].gbuffer, self.vector.encode({}))
+            advisors = [LikeAdvisor(self.reference, each if words else None, seen) for each in advisors]
+        self._offline, asked = advisors
         self.confiner = Confiner(self.vector, self.shots, described, asked, self.method.plan)
         self.several = options.variants > 1
         # R, the most rounds from each start. Each variant gets half, so that several take less time than as many vibes.
@@ -91,15 +94,6 @@ class Search:
         self._guidance: list[Guidance] = []  # one for each shot
         alone = len(self.shots) == 1 and observer.wants_looks
         self.looks = Looks(self.shots[0], described) if alone else None  # looks before the end
-
-    def _with_picture(self, advisor: Advisor, words: bool) -> Advisor:
-        """An advisor for the reference image, if there is one, and for words, if there are any."""
-        if self.reference is None:
-            return advisor
-        if len(self.shots) > 1:  # the image shows at most one of the shots
-            self.reference.same = False
-        seen = partial(self.shots[0].gbuffer, self.vector.encode({}))
-        return LikeAdvisor(self.reference, advisor if words else None, seen)
 
     def show_plan(self) -> None:
         """Shows what the words alone give, before the first anchor. The plan is always the offline planner's."""

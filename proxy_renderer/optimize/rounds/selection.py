@@ -38,10 +38,8 @@ class Selection:
 
     keys: list[str]  # S_K, the most useful first
     objective: RoundObjective  # differentiable in all candidates
-    # key of a held parameter -> key of the parameter of S_K with the same effect on the claims
-    shared: dict[str, str] = field(default_factory=dict)
-    # of the objective at the point where S_K was chosen, over the components of S_K; None if it is not known
-    model: LinearModel | None = None
+    shared: dict[str, str] = field(default_factory=dict)  # held key -> key of S_K with the same effect on the claims
+    model: LinearModel | None = None  # at the point where S_K was chosen, over its components; None if it is not known
 
     def with_reasons(self, plan: Plan) -> Plan:
         """The plan, in which the reasons of held parameters say why they are held."""
