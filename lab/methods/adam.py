@@ -95,16 +95,10 @@ class Adam(Method):
         return super().guidance(encoder, raw, start, every_word=True)
 
     def descend(
-        self,
-        now: Confined,
-        chosen: Selection,
-        movable: Tensor,
-        steps: int,
-        seed: int,
-        follow: Callable[[int, float, Any], bool],
+        self, now: Confined, chosen: Selection, steps: int, seed: int, follow: Callable[[int, float, Any], bool]
     ) -> Descent:
         """Lines 8 to 15 of the paper."""
-        where = SampledObjective(chosen.objective), now.u, movable, now.lower, now.upper
+        where = SampledObjective(chosen.objective), now.u, chosen.movable(now), now.lower, now.upper
         return descend(*where, steps, seed, self.settings, follow)
 
 

@@ -62,7 +62,6 @@ class EngineSession:
     ) -> None:
         self.shots, self.prompt, self.options, self._observer = shots, prompt, options, observer
         self._known = known  # the last anchor of the vibe before
-        self._method = load_method()
         self._encoder: Encoder  # `run` sets it, and the next
         self._outcome: pipeline.Outcome
         endpoint = find_endpoint(options, vlm_key)
@@ -95,7 +94,7 @@ class EngineSession:
         blenders = [BlenderPictures(s, observer.ask, options.seed, n) for n, s in enumerate(scenes)]
         rows_of_shots = zip(scenes, blenders, self.shots, strict=True)
         views = [ShotInput(s, b if options.anchor else None, shot.file, self._known) for s, b, shot in rows_of_shots]
-        outcome = self._outcome = pipeline.run(Search(views, stage, options, encoder, observer, advisor, self._method))
+        outcome = self._outcome = pipeline.run(Search(views, stage, options, encoder, observer, advisor, load_method()))
         ended, waited = time.monotonic(), sum(blender.waited for blender in blenders)
         timings = {"load encoder": loaded - began, "load scene": staged - loaded}
         timings |= {"loop": ended - staged - waited, "wait for Blender": waited}

@@ -128,8 +128,8 @@ class PromptGuidance:
                 loss = negative_loss(features[region], self.negative[region], self.margins[region])
                 terms[f"{region} negative"] = w.negative * loss
         if len(self.positive["whole"]):
-            toward = direction_loss(features["whole"], self.start, self.positive["whole"], self.plain)
-            terms["direction"] = w.direction * toward
+            words = self.positive["whole"]
+            terms["direction"] = w.direction * direction_loss(features["whole"], self.start, words, self.plain)
         return terms
 
     def _features(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:

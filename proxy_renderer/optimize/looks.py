@@ -37,8 +37,8 @@ class Looks:
         """The point u (N,) of the words alone (lines 2 to 5 and 7), and their advice; raises VibeError if no word is known."""
         vector, home = self._shot.vector, self._home
         advice = self._shot.advised(advisor, home, self._described)
-        ranges = feasible_ranges(advice.plan, vector.instances, vector.values(home))
-        return project(start_point(vector, advice.plan, home), *vector.bounds(ranges)), advice
+        bounds = vector.bounds(feasible_ranges(advice.plan, vector.instances, vector.values(home)))
+        return project(start_point(vector, advice.plan, home), *bounds), advice
 
     def drawn(self, u: Tensor, claims: tuple[Claim, ...], shot: ShotState | None = None) -> EarlyLook:
         """The look of u (N,) with its image, drawn by a `shot` whose proxy is corrected; None for the uncorrected proxy."""

@@ -308,8 +308,7 @@ class _ForwardShot:
             else:
                 pairs = zip(gradients, changes, strict=True)
                 effect = torch.stack([g.flatten(1) @ change.flatten() for g, change in pairs]).sum(0)[:, None]
-            steps = move[part]
-            slopes[:, part] += torch.where(steps != 0, effect.to(slopes) / steps, 0.0)
+            slopes[:, part] += torch.where(move[part] != 0, effect.to(slopes) / move[part], 0.0)
 
 
 def _fields(latent: LatentImage) -> list[Tensor]:

@@ -97,22 +97,20 @@ class Dialect:
 
     def give_up(self, complaint: str, question: Question) -> bool:
         """Leaves out the option that the server's complaint is about; False if nothing more can be left out."""
+        formats = question.schema is not None and self.format != "text"
+        pictures = question.picture is not None and self.pictures and not question.must_see
+        of_picture = _PICTURE.search(complaint) and not _FORMAT.search(complaint)
         if _TEMPERATURE.search(complaint) and self._temperature:
             self._temperature = False
-            return True
-        if _LIMIT.search(complaint) and self._limit:
+        elif _LIMIT.search(complaint) and self._limit:
             self._limit = "max_tokens" if self._limit == "max_completion_tokens" else ""
-            return True
-        formats = question.schema is not None and self.format != "text"
-        pictures = question.picture is not None and self.pictures
-        of_picture = _PICTURE.search(complaint) and not _FORMAT.search(complaint)
-        if pictures and not question.must_see and (of_picture or not formats):
+        elif pictures and (of_picture or not formats):
             self.pictures = False
-            return True
-        if formats:
+        elif formats:
             self.format = _FORMATS[_FORMATS.index(self.format) + 1]
-            return True
-        return False
+        else:
+            return False
+        return True
 
 
 _MOST = 500  # most answers that are kept; the least recently used are deleted

@@ -53,16 +53,10 @@ class Method:
         return select(now, vector, shots, u, options, self.weights)
 
     def descend(
-        self,
-        now: Confined,
-        chosen: Selection,
-        movable: Tensor,
-        steps: int,
-        seed: int,
-        follow: Callable[[int, float, Any], bool],
+        self, now: Confined, chosen: Selection, steps: int, seed: int, follow: Callable[[int, float, Any], bool]
     ) -> Descent:
-        """Lines 8 to 15: steps from the round's point over the `movable` components (N,) bool of S_K; for `follow` see `solve`."""
-        return solve(chosen.objective, now.u, movable, now.lower, now.upper, steps, follow, chosen.model)
+        """Lines 8 to 15: steps from the round's point over the components of S_K; for `follow` see `solve`."""
+        return solve(chosen.objective, now.u, chosen.movable(now), now.lower, now.upper, steps, follow, chosen.model)
 
 
 def load_method() -> Method:

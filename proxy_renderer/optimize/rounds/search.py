@@ -150,9 +150,8 @@ class Search:
 
     def descend(self, now: Confined, chosen: Selection) -> Descent:
         """Lines 8 to 15 of Algorithm 1, from the round's point, where S_K was chosen."""
-        movable = self.vector.mark(chosen.keys) & (now.upper > now.lower)
         seed, follow = self.options.seed * 1000 + now.here.number, self.clock.follow(now.here.number)
-        return self.method.descend(now, chosen, movable, self.options.steps, seed, follow)
+        return self.method.descend(now, chosen, self.options.steps, seed, follow)
 
     def seen(self, shots: Sequence[ShotState], u: Tensor, number: int) -> tuple[list[ShotState], Missed]:
         """The shots of round `number`, corrected by Cycles images at u (N,), and the distance of these images from the claims."""

@@ -41,12 +41,14 @@ class Selection:
     shared: dict[str, str] = field(default_factory=dict)  # held key -> key of S_K with the same effect on the claims
     model: LinearModel | None = None  # at the point where S_K was chosen, over its components; None if it is not known
 
+    def movable(self, now: Confined) -> Tensor:
+        """(N,) bool, the components of S_K whose range in the round has a width."""
+        return self.objective.vector.mark(self.keys) & (now.upper > now.lower)
+
     def with_reasons(self, plan: Plan) -> Plan:
         """The plan, in which the reasons of held parameters say why they are held."""
-        held = {}
-        for key, other in self.shared.items():
-            reason = f"{plan[key].reason}; held: {other} does the same to what is claimed"
-            held[key] = replace(plan[key], reason=reason)
+        why = {key: f"held: {other} does the same to what is claimed" for key, other in self.shared.items()}
+        held = {key: replace(plan[key], reason=f"{plan[key].reason}; {text}") for key, text in why.items()}
         return Plan({**plan, **held}, plan.notes)
 
 

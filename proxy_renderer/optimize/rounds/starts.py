@@ -78,9 +78,8 @@ def _coarse_pass(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, 
         guidance.views = Views(1, 1, 1)
         few.append(replace(shot.viewed(point), guidance=guidance))
     chosen = search.select(now, point, few)
-    movable = search.vector.mark(chosen.keys) & (now.upper > now.lower)
     here, seed, loss = replace(now, u=point), search.options.seed, 0.0
-    u = search.method.descend(here, chosen, movable, 8, seed, lambda *_: search.observer.stopped()).u
+    u = search.method.descend(here, chosen, 8, seed, lambda *_: search.observer.stopped()).u
     with torch.no_grad():
         for shot in now.shots:
             assert shot.guidance is not None
