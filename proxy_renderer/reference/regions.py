@@ -25,12 +25,9 @@ from .files import small_size
 
 SIZE = 192  # pixels of the longer side at which images are measured, about as in the search
 _TRANSPARENT, _FEW = 0.5, 16  # alpha up to which a pixel does not count; pixels below which a region is not measured
-_SMALL = 96  # pixels of the longer side at which regions are found
 _BORDER, _GROUNDS = 0.06, 5  # width of the border in shorter sides; number of colors that stand for it
-_MIDDLE = 0.6  # half diagonals; standard deviation of the weight that falls off from the middle
 _SUBJECT = (0.04, 0.5)  # least and greatest share of the image that a subject covers
 _ON_BORDER = 0.22  # greatest share of the border that a subject touches
-_DISTINCT = 16.0  # least Lab distance of a subject's mean color from that of the rest
 _SKY = (0.12, 0.7)  # least and greatest share of the image that a sky covers
 _EVEN, _LIGHTER, _OTHER = 2.5, 8.0, 15.0
 """Of a sky: greatest slope of L* per pixel, least L* above the rest, and least Lab distance from the color at the bottom."""
@@ -60,7 +57,7 @@ def regions_of(display: np.ndarray, alpha: np.ndarray | None = None) -> PictureR
         nearest = ndimage.distance_transform_edt(~seen, return_distances=False, return_indices=True)
         display = display[tuple(nearest)]
     planes = torch.from_numpy(np.ascontiguousarray(display)).permute(2, 0, 1)[None]
-    lab = lab_from_srgb(_resized(planes, _SMALL)[0].permute(1, 2, 0)).numpy()
+    lab = lab_from_srgb(_resized(planes, 96)[0].permute(1, 2, 0)).numpy()
     sky = _sky(lab)
     subject = np.zeros_like(sky) if cutout else _subject(lab, sky)
     shown = _resized(planes, SIZE)
@@ -86,7 +83,8 @@ def _subject(lab: np.ndarray, sky: np.ndarray) -> np.ndarray:
     height, width = sky.shape
     y, x = np.mgrid[:height, :width] + 0.5
     radius = np.hypot(y - height / 2, x - width / 2) / (np.hypot(height, width) / 2)
-    salient = ndimage.gaussian_filter(apart * np.exp(-0.5 * (radius / _MIDDLE) ** 2), 1.5)
+    middle = np.exp(-0.5 * (radius / 0.6) ** 2)  # weight that falls off from the middle
+    salient = ndimage.gaussian_filter(apart * middle, 1.5)
     parts, count = ndimage.label(ndimage.binary_opening(salient > _otsu(salient), iterations=2))
     if not count:
         return nothing
@@ -94,7 +92,7 @@ def _subject(lab: np.ndarray, sky: np.ndarray) -> np.ndarray:
     subject = ndimage.binary_fill_holes(parts == 1 + int(np.argmax(weights)))
     distance = np.linalg.norm(lab[subject].mean(0) - lab[~subject].mean(0))
     fits = _SUBJECT[0] < subject.mean() < _SUBJECT[1] and subject[border].mean() < _ON_BORDER
-    return subject if fits and distance > _DISTINCT else nothing
+    return subject if fits and distance > 16.0 else nothing
 
 
 def _sky(lab: np.ndarray) -> np.ndarray:

@@ -123,9 +123,6 @@ only darken the shadows of a scene without such an object."""
 
 _TONES = ("black_point", "lower_quartile", "median", "upper_quartile", "white_point")
 _CASTS = {"shadow_cast": "shadows", "midtone_cast": "midtones", "highlight_cast": "lights"}
-_VIGNETTE = 8.0  # least L* by which every corner is darker in a vignette
-_VEILED, _DARKEST = 35.0, 20.0  # of haze: least percent of white over everything, least L* of the black point
-_SIDED = 8.0  # least difference in L* of two sides of a subject that is lit from one of them
 _THIRDS = {place: (0.0, n / 3, 1.0, (n + 1) / 3) for n, place in enumerate(_WORDS)}
 
 
@@ -162,7 +159,7 @@ class _Reader:
         yield _with(said, lower=(min(*said.claim.lower, _PAINTED, float(all_over)),))
         said = self._near("no gaudy colors", "vividest", "its most vivid colors have a chroma of {:.0f}")
         yield _with(said, lower=(-math.inf,), change=0.0)  # more vivid colors that the scene has may stay
-        if min(corner_falls(self.picture), default=0.0) > _VIGNETTE:
+        if min(corner_falls(self.picture), default=0.0) > 8.0:  # L* by which every corner is darker
             yield self._near("vignette", "vignette", "its corners are L* {:.0f} darker than its middle")
 
     def light(self) -> Iterator[Statement]:
@@ -174,7 +171,7 @@ class _Reader:
         yield self._near(word, "spread", "its subject ranges over L* {:.0f} from dark to light", "subject")
         for measure, sides in (("from_right", ("right", "left")), ("from_above", ("above", "below"))):
             (slope,) = self._value(measure, "subject")
-            if abs(slope) > _SIDED:
+            if abs(slope) > 8.0:  # L*, of a subject that is lit from one side
                 side = sides[slope < 0]
                 reason = f"its subject is L* {abs(slope):.0f} lighter on the side that is {side}"
                 yield self._near(f"light from {side}", measure, reason, "subject")
@@ -196,7 +193,7 @@ class _Reader:
 
     def air(self) -> Iterator[Statement]:
         """Haze, if nothing in the image is dark or pure in color."""
-        if self._value("veil")[0] > _VEILED and self._value("black_point")[0] > _DARKEST:
+        if self._value("veil")[0] > 35.0 and self._value("black_point")[0] > 20.0:  # percent of white; L*
             reason = "nothing in it is dark or pure in color: at least {:.0f} % of white lies over it"
             yield self._near("haze", "veil", reason)
 

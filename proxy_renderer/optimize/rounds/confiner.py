@@ -49,41 +49,40 @@ class Confined:
     here: RoundStart  # what the round was planned from
 
 
+@dataclass
 class Confiner:
-    """Plans the rounds of one vibe. `replan` may change the advisor's plan, see `Method.plan`."""
+    """Plans the rounds of one vibe."""
 
-    def __init__(
-        self,
-        vector: ParameterVector,
-        shots: Sequence[ShotState],
-        described: SceneDescription,
-        advisor: Advisor,
-        replan: Callable[[Mapping[str, Instance], Plan], Plan],
-    ) -> None:
-        self._vector, self._described, self.advisor, self._replan = vector, described, advisor, replan
+    vector: ParameterVector
+    shots: Sequence[ShotState]  # as loaded
+    described: SceneDescription  # before any change
+    advisor: Advisor
+    replan: Callable[[Mapping[str, Instance], Plan], Plan]  # may change the advisor's plan, see `Method.plan`
+
+    def __post_init__(self) -> None:
         self._widest: dict[str, float] = {}  # key of a light's size -> the largest that fits in all shots
-        for shot in shots:
+        for shot in self.shots:
             for own, size in light_sizes(shot.scene, shot.proxy.geometry).items():
                 key = shot.names[own]
                 self._widest[key] = min(self._widest.get(key, size), size)
 
     def advise(self, shots: Sequence[ShotState], u: Tensor, earlier: Plan) -> Advice:
         """The advice for the first shot at u (N,). Its plan also has entries for parameters that only other shots have."""
-        advice = shots[0].advised(self.advisor, u, self._described)
+        advice = shots[0].advised(self.advisor, u, self.described)
         entries = {shots[0].names[own]: entry for own, entry in advice.plan.items()}
         for shot in shots[1:]:
             if not entries.keys() >= {*shot.names.values()}:
-                plan = shot.advised(self.advisor, u, self._described).plan
+                plan = shot.advised(self.advisor, u, self.described).plan
                 entries = {shot.names[own]: entry for own, entry in plan.items()} | entries
-        instances = self._vector.instances
+        instances = self.vector.instances
         plan = carry(Plan({key: entries[key] for key in instances}, advice.plan.notes), earlier)
-        return replace(advice, plan=self._replan(instances, plan))
+        return replace(advice, plan=self.replan(instances, plan))
 
     def confined(
         self, advice: Advice, u: Tensor, here: RoundStart, shots: Sequence[ShotState], claims: Sequence[Claim]
     ) -> Confined:
         """The round of an advice: its plan, the ranges, their box, and u (N,) projected into the box."""
-        vector, plan = self._vector, Plan({**advice.plan, **here.turned}, advice.plan.notes)
+        vector, plan = self.vector, Plan({**advice.plan, **here.turned}, advice.plan.notes)
         ranges = feasible_ranges(plan, vector.instances, vector.values(u))
         if here.opening:
             # Ranges that words name open, but not those of finishes: with a wider range a finish would not be what its word says.
