@@ -69,12 +69,10 @@ def read_reply(raw: dict[str, Any], table: AliasTable) -> Reply:
     reply.ignored = _texts(raw.get("ignored"), _WORD)
     for item in _list(raw.get("plan"), reply)[:_MOST_ENTRIES]:
         _add_entry(item, table, reply)
-    for name in _list(raw.get("keep"), reply)[:_MOST_ENTRIES]:
-        if isinstance(name, str) and name in table.rows:
-            reply.keep.add(table.rows[name].key)
-        else:
-            reply.dropped += 1
-    reply.keep -= set(reply.entries)
+    kept = _list(raw.get("keep"), reply)[:_MOST_ENTRIES]
+    known = [table.rows[name].key for name in kept if isinstance(name, str) and name in table.rows]
+    reply.dropped += len(kept) - len(known)
+    reply.keep = set(known) - set(reply.entries)
     return reply
 
 

@@ -143,7 +143,6 @@ class Cache:
                 path.unlink(missing_ok=True)
 
 
-_VERSION = 1  # of the questions and the reading of answers; a new one invalidates the cache
 _AGAIN = "That was not what was asked for. Reply exactly in the form that was asked for, and with nothing else."
 
 
@@ -192,7 +191,8 @@ class Client:
     def ask(self, question: Question, check: Callable[[Any], object] = bool, fresh: bool = False) -> Any:
         """The answer: an object if there is a schema, else text. If `check` raises ModelError, the model is asked once more."""
         point = self.endpoint
-        asked = [_VERSION, point.url, point.model, question.system, question.text, question.schema]
+        # The number is the version of questions and answers: another one invalidates the cache.
+        asked = [1, point.url, point.model, question.system, question.text, question.schema]
         key = hashlib.sha256(json.dumps(asked, sort_keys=True).encode() + (question.picture or b"")).hexdigest()
         if not fresh and (cached_answer := self._cache.read(key)) is not None:
             self.usage.cached += 1

@@ -118,9 +118,7 @@ def _wrapped(text: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont) -> l
     """Lines that fit under a column; at most eight."""
     lines = [""]
     for word in clean(text, 1000).split():
-        longer = f"{lines[-1]} {word}".strip()
-        if font.getlength(longer) <= _CELL or not lines[-1]:
-            lines[-1] = longer
-        else:
-            lines.append(word)
+        if lines[-1] and font.getlength(f"{lines[-1]} {word}") > _CELL:
+            lines.append("")
+        lines[-1] = f"{lines[-1]} {word}".strip()
     return lines[:8]

@@ -16,8 +16,6 @@ from typing import Any
 from ..schema import VibeError
 from .endpoint import OPENAI, Endpoint
 
-_SECRET = 12  # characters; a shorter key is not scrubbed, real ones have 20 or more
-
 
 def find_object(text: str, names: Collection[str]) -> dict[str, Any]:
     """The JSON object in a model's text that has one of these names. Raises ModelError if there is none."""
@@ -49,7 +47,9 @@ def clean(text: Any, longest: int) -> str:
 
 def scrub(value: Any, secret: str) -> Any:
     """A JSON value without a secret in any of its strings and keys: a hostile server could send the key back."""
-    if len(secret) < _SECRET:  # a word, such as the "ollama" that local servers are given
+    if (
+        len(secret) < 12
+    ):  # a word, such as the "ollama" that local servers are given; real keys have 20 characters or more
         return value
     if isinstance(value, str):
         return value.replace(secret, "***")
