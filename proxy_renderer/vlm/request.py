@@ -88,7 +88,6 @@ def _is_direction(instance: Instance) -> bool:
 
 
 SLOTS = ("color", "material", "lighting", "style", "mood", "shape")  # of an object (the paper's section 3.5)
-
 REGIONS = ("subject", "surroundings")
 CAPTIONS = (*REGIONS, "whole")
 
@@ -207,8 +206,8 @@ def _measured(context: SceneDescription) -> dict[str, Any]:
     """Measures of the current image, for models that see images badly or not at all."""
     if context.picture is None:
         return {}
-    colors = context.picture.lab.items()
-    figures: dict[str, Any] = {f"{r}_mean_color": hex_from_srgb(srgb_from_lab(lab)) for r, lab in colors}
+    lab = context.picture.lab
+    figures: dict[str, Any] = {f"{region}_mean_color": hex_from_srgb(srgb_from_lab(lab[region])) for region in lab}
     if percentiles := context.picture.percentiles:
         names = "lightness_darkest_5_percent", "lightness_median", "lightness_brightest_5_percent"
         figures |= dict(zip(names, map(round, percentiles), strict=True))

@@ -191,7 +191,8 @@ def read_completion(raw: bytes) -> Completion:
             text = "".join(part.get("text") or "" for part in text)
         if not isinstance(text, str):
             raise TypeError
-        read, written = (_count(usage.get(n)) for n in ("prompt_tokens", "completion_tokens"))
+        counts = (usage.get(name) for name in ("prompt_tokens", "completion_tokens"))
+        read, written = (n if isinstance(n, int) and 0 <= n < 10**9 else 0 for n in counts)
         cost = usage.get("cost")
         cost = float(cost) if isinstance(cost, int | float) and 0 <= cost < 1e6 else None
         return Completion(text, choice.get("finish_reason") == "length", read, written, cost)
@@ -228,10 +229,6 @@ def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> 
         else:
             what, remedy = f"refuses the request (HTTP {code}){more}", "Use another model."
     return ModelError(f"{point.place} {what}.", remedy, lasting, broken, complaint)
-
-
-def _count(value: Any) -> int:
-    return value if isinstance(value, int) and 0 <= value < 10**9 else 0
 
 
 def _bounded(base: Any, place: str) -> Any:
