@@ -6,7 +6,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import replace
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -90,9 +90,8 @@ class Reference:
         return found
 
     def _wishes(self, word: str, texts: list[str], material: str = "") -> list[Wish]:
-        """The wishes of one statement on the image, which share an attribute."""
-        owners = (material,) if material else ()
-        said = Attribute(word, self.name, PICTURE, "whole", "whole", owners=owners, thing=material)
+        """The wishes of a statement on the image."""
+        said = _attribute(word, self.name, material)
         return [Wish(said, w.quantity, effects=w.effects, claims=w.claims) for w in read_wishes(texts)]
 
     @cached_property
@@ -100,6 +99,13 @@ class Reference:
         """The light of a linear panorama; None for other images."""
         linear = self.picture.linear
         return light_probe.probe(linear) if self.picture.panorama and linear is not None else None
+
+
+@cache
+def _attribute(word: str, name: str, material: str) -> Attribute:
+    """The attribute of statements with one word; cached, because written goals list attributes by identity."""
+    owners = (material,) if material else ()
+    return Attribute(word, name, PICTURE, "whole", "whole", owners=owners, thing=material)
 
 
 def _facts(regions: PictureRegions) -> Iterator[ClaimText]:
