@@ -129,6 +129,12 @@ def warm(tmp_path_factory) -> Path:
     return path
 
 
+def test_written_goals_list_statements_of_one_word_once(warm, scene):
+    goals = Goals(Parsed("")).with_picture(reference(warm, scene).wishes(scene.instances.values(), no_view))
+    said = [word["word"] for word in as_json(goals)["words"]]
+    assert len(said) == len(set(said)) > 3
+
+
 def test_colder_is_measured_against_the_picture(warm, scene):
     wishes = reference(warm, scene).wishes(scene.instances.values(), no_view)
     alone, beside = (
