@@ -4,9 +4,8 @@
 from dataclasses import replace
 
 from proxy_renderer.goals.resolve import goals_or_why
-from proxy_renderer.optimize.rounds.confiner import RoundStart
 from proxy_renderer.optimize.rounds.search import Search
-from proxy_renderer.optimize.scene_words import described
+from proxy_renderer.optimize.scene_facts import described
 from proxy_renderer.optimize.stage import StagedScenes
 from proxy_renderer.words.parser import Understood
 
@@ -43,8 +42,9 @@ def any_round(search, ends):
     last, here = ends[-1], ends[-1].confined.here
     if len(ends) == search.rounds:
         return None
-    start = replace(here.start, u=last.u, shots=last.shots, first=here.number + 1)
-    return replace(RoundStart.at(start), earlier=last.confined.plan, start=here.start)
+    return replace(
+        here, u=last.u, shots=last.shots, number=here.number + 1, earlier=last.confined.plan, share=1.0, opening=0.0
+    )
 
 
 def read_stage(scenes, prompt):

@@ -10,7 +10,7 @@ from vibe_render.scene import bindings, prepare, snapshot
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.optimize.scene_words import described
+from proxy_renderer.optimize.scene_facts import described
 from proxy_renderer.optimize.stage import set_stage
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.scene import load_scene

@@ -13,7 +13,7 @@ from vibe_render.render import final_render
 from vibe_render.scene.subject import SubjectChoice
 
 from proxy_renderer.color.tensors import mean_difference
-from proxy_renderer.optimize.scene_words import described
+from proxy_renderer.optimize.scene_facts import described
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import SceneData, load_scene
 from proxy_renderer.schema import VibeError

@@ -16,8 +16,7 @@ from proxy_renderer.guidance.encoder import Encoder
 from proxy_renderer.guidance.guide import Weights, claims_loss
 from proxy_renderer.optimize.least_squares import fixed_views
 from proxy_renderer.optimize.rounds.method import Method
-from proxy_renderer.optimize.scene_facts import described_now
-from proxy_renderer.optimize.scene_words import described
+from proxy_renderer.optimize.scene_facts import described, described_now
 from proxy_renderer.planning.advice import OfflineAdvisor
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.words.lexicon.user_words import default_vocabulary

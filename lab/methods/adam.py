@@ -95,16 +95,10 @@ class Adam(Method):
         return super().guidance(encoder, raw, start, every_word=True)
 
     def descend(
-        self,
-        now: Confined,
-        chosen: Selection,
-        movable: Tensor,
-        steps: int,
-        seed: int,
-        follow: Callable[[int, float, Any], bool],
+        self, now: Confined, chosen: Selection, steps: int, seed: int, follow: Callable[[int, float, Any], bool]
     ) -> Descent:
         """Lines 8 to 15 of the paper."""
-        where = SampledObjective(chosen.objective), now.u, movable, now.lower, now.upper
+        where = SampledObjective(chosen.objective), now.u, chosen.movable(now), now.lower, now.upper
         return descend(*where, steps, seed, self.settings, follow)
 
 
@@ -117,11 +111,11 @@ class SampledObjective:
     @property
     def shots(self) -> int:
         """Number of pictures."""
-        return self._objective.shots
+        return len(self._objective.seen)
 
     def render(self, u: Tensor, shot: int) -> Render:
         """The proxy's picture of u (N,), of a shot."""
-        return self._objective.render(u, shot)
+        return self._objective.seen[shot].draw(u, self._objective.free)
 
     def loss(self, picture: Render, u: Tensor, generator: torch.Generator, shot: int) -> Tensor:
         """The sum of all terms. Arguments as for `Objective.loss`."""

@@ -36,7 +36,6 @@ class Projection(Method):
         self,
         now: Confined,
         chosen: selection.Selection,
-        movable: Tensor,
         steps: int,
         seed: int,
         follow: Callable[[int, float, Any], bool],
@@ -68,13 +67,12 @@ class Middle(Method):
         self,
         now: Confined,
         chosen: selection.Selection,
-        movable: Tensor,
         steps: int,
         seed: int,
         follow: Callable[[int, float, Any], bool],
     ) -> Descent:
         """The point with what may move in the middle of its range."""
-        return Descent(torch.where(movable, (now.lower + now.upper) / 2, now.u), 0.0, 0.0)
+        return Descent(torch.where(chosen.movable(now), (now.lower + now.upper) / 2, now.u), 0.0, 0.0)
 
 
 class WithoutEncoder(Method):

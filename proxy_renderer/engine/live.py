@@ -9,7 +9,7 @@ from pathlib import Path
 from ..guidance.encoder import load_encoder
 from ..optimize.looks import EarlyLook, Looks
 from ..optimize.progress import BEFORE
-from ..optimize.scene_words import described
+from ..optimize.scene_facts import described
 from ..optimize.shots import ShotInput, gathered, inner_size
 from ..optimize.stage import linked, set_stage
 from ..render.proxy import Proxy
@@ -19,11 +19,9 @@ from ..schema.targets import GENERAL, NOT_USED, listed
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.lexicon.word_table import Nearest
 from ..words.parser import Understood
-from ..words.types import LightDescription, PromptWord, SceneDescription
+from ..words.types import LightDescription, SceneDescription
 from .pictures import save_picture
 from .session import pick_device
-
-_OTHERS = 2  # known words that are offered in place of one that is not used
 
 
 def answer(request: messages.AskReadings) -> messages.Readings:
@@ -56,23 +54,20 @@ def readings(prompt: str, scene: SceneDescription, target: Sequence[str] = ()) -
     note = str(understood.unknown or "")
     if not understood.words:  # so that the artist can click on the word whose target is impossible
         understood = Understood(prompt, scene)
-    return messages.Readings(prompt, [*map(_reading, understood.words)], note)
-
-
-def _reading(word: PromptWord) -> messages.WordReading:
-    """A word and what it describes; for a word that is not used, known words to choose in its place."""
-    choices = word.key, [candidate.name for candidate in word.candidates], [*word.others]
-    if word.target == NOT_USED:
-        unknown = not word.candidates
-        others = default_vocabulary().made(Nearest).choices(word.text, _OTHERS) if unknown else []
-        return messages.WordReading(word.text, "left out", word.target, others, *choices)
-    is_general = word.target in GENERAL and word.thing not in word.target
-    describes = f"describes {listed(word.target)}" + (f" ({word.thing})" if is_general else "")
-    if word.guess:
-        state, meaning = "guessed", f"taken for “{word.guess}”, {describes}"
-    else:
-        state, meaning = "understood", describes
-    return messages.WordReading(word.text, state, meaning, [], *choices)
+    words = []
+    for word in understood.words:
+        is_general = word.target in GENERAL and word.thing not in word.target
+        describes = f"describes {listed(word.target)}" + (f" ({word.thing})" if is_general else "")
+        state, meaning, others = "understood", describes, []
+        if word.target == NOT_USED:
+            state, meaning = "left out", word.target
+            if not word.candidates:  # two known words to choose in its place
+                others = default_vocabulary().made(Nearest).choices(word.text, 2)
+        elif word.guess:
+            state, meaning = "guessed", f"taken for “{word.guess}”, {describes}"
+        candidates = [candidate.name for candidate in word.candidates]
+        words.append(messages.WordReading(word.text, state, meaning, others, word.key, candidates, [*word.others]))
+    return messages.Readings(prompt, words, note)
 
 
 class Glances:
@@ -86,8 +81,10 @@ class Glances:
     def look(self, request: messages.Glance, stopped: Callable[[], bool]) -> EarlyLook | None:
         """The first look; None if the request was `stopped`, or no word is known. Raises VibeError for an unreadable job."""
         options = messages.Options.from_dict(request.options)
-        found = [self._scene(request.job)]
-        stage = linked(set_stage(found, request.prompt, options.new_lights, options.target), options)
+        if self._found is None or request.job != self._job:
+            self._job, self._found = request.job, load_scene(Path(request.job))
+            self._proxies.clear()
+        stage = linked(set_stage([self._found], request.prompt, options.new_lights, options.target), options)
         (scene,) = stage.scenes
         _, (shot,) = gathered([ShotInput(scene)], options, lambda _: self._proxy(scene, options))
         if stopped():
@@ -100,17 +97,10 @@ class Glances:
             return None
         return None if stopped() else looks.drawn(u, stage.claims(advice.goals))
 
-    def _scene(self, job: str) -> SceneData:
-        if self._found is None or job != self._job:
-            self._job, self._found = job, load_scene(Path(job))
-            self._proxies.clear()
-        return self._found
-
     def _proxy(self, scene: SceneData, options: messages.Options) -> Proxy:
         parameters = (*scene.instances, *scene.links)
         if parameters not in self._proxies:
-            device = pick_device(options.device)
-            encoder = load_encoder(options.encoder or None, device)
+            encoder = load_encoder(options.encoder or None, pick_device(options.device))
             size = inner_size(scene, options, encoder, bool(options.like))
-            self._proxies[parameters] = Proxy(scene, size, device, options.seed)
+            self._proxies[parameters] = Proxy(scene, size, str(encoder.device), options.seed)
         return self._proxies[parameters]

@@ -12,23 +12,22 @@ from torch import Tensor
 
 from ..color.tensors import ciede2000, lab_from_srgb
 from ..optimize.pipeline import Outcome
-from ..optimize.shots import draw
+from ..optimize.shots import draw, picture_size
 from ..render.proxy import Proxy
 from ..schema import atomic
 
-PREDICTION = "prediction.png"
 PICTURES = {
-    "shown": PREDICTION,
+    "shown": "prediction.png",
     "before_last_anchor": "prediction-earlier.png",
     "unanchored": "prediction-unanchored.png",
 }
 """Kind of prediction -> its file. The last anchor was rendered at the final values, so that "shown" says little about the
 proxy. "before_last_anchor" does: its correction comes from other values."""
+VARIANT = "variant-{}.png"  # the file name of a variant's image; numbers start at 1
 
 Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 
-_PANEL = 512
-_MARGIN = 24
+_PANEL, _MARGIN = 512, 24  # pixels
 _PAPER, _INK, _FAINT = (250, 250, 248), (32, 32, 36), (120, 120, 126)
 _LATIN, _CJK = "Inter.woff2", "Noto Sans CJK Regular.woff2"
 _EAST_ASIAN = re.compile(r"[\u1100-\u11ff\u2e80-\u9fff\uac00-\ud7af\uf900-\ufaff\uff00-\uffef]")
@@ -36,17 +35,12 @@ _UNIT = re.compile(rf"{_EAST_ASIAN.pattern}|\s*(?:(?!{_EAST_ASIAN.pattern})\S)+"
 """A unit of text, after which a line may end: an East Asian character, or a word with the space before it."""
 
 
-def variant_file(number: int) -> str:
-    """The file name of a variant's image; numbers start at 1."""
-    return f"variant-{number}.png"
-
-
 @torch.no_grad()
 def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path, figures: bool) -> tuple[list[str], Image.Image]:
     """Draws the values found in shot `number` (from 0) by its full-size proxy, into its job folder.
 
-    With `figures`, and if there is an anchor, also draws the predictions without the last anchor and without any anchor.
-    Returns the keys of `PICTURES` that were drawn, and the share of each pixel that the subject covers, as an image.
+    With `figures`, and if there is an anchor, also draws the predictions without the last anchor and without any anchor. Returns the
+    keys of `PICTURES` that were drawn, and the share of each pixel that the subject covers, as an image.
     """
     anchor = outcome.shots[number].anchor
     corrections = {"shown": anchor.correction}
@@ -61,20 +55,17 @@ def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path, figures: boo
 
 @torch.no_grad()
 def predict_variants(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> list[Image.Image]:
-    """Draws a shot of every variant, into its job folder, see `variant_file`. Arguments as for `predict`."""
+    """Draws a shot of every variant, into its job folder, see `VARIANT`. Arguments as for `predict`."""
     pictures = []
     for place, look in enumerate(outcome.variants, start=1):
         proxy.correction = look.shots[number].anchor.correction
         pictures.append(as_image(draw(proxy, look.shots[number].vector, look.u).display))
-        save_image(pictures[-1], job / variant_file(place))
+        save_image(pictures[-1], job / VARIANT.format(place))
     return pictures
 
 
 def difference(predicted: np.ndarray, after: np.ndarray, subject: np.ndarray) -> dict[str, float]:
-    """CIEDE2000 of a prediction and Cycles' render, both (H, W, 3), sRGB in [0, 1]: "mean", "p95" and mean over "subject".
-
-    `subject` (H, W) is the share of each pixel that the subject covers; without a subject, the last figure is missing.
-    """
+    """CIEDE2000 of two sRGB images (H, W, 3): "mean", "p95" and the mean over the "subject" with coverage (H, W), if there is one."""
     labs = (lab_from_srgb(torch.from_numpy(picture)) for picture in (predicted, after))
     errors = ciede2000(*labs).numpy()
     figures = {"mean": errors.mean(), "p95": np.percentile(errors, 95)}
@@ -85,8 +76,7 @@ def difference(predicted: np.ndarray, after: np.ndarray, subject: np.ndarray) ->
 
 def as_image(picture: Tensor) -> Image.Image:
     """An 8-bit image of (H, W, 3) or (H, W) in [0, 1]; values outside are clipped."""
-    data = (picture.detach().cpu().numpy().clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
-    return Image.fromarray(data)
+    return Image.fromarray((picture.detach().cpu().numpy().clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8))
 
 
 def save_picture(picture: Tensor, path: Path) -> None:
@@ -104,20 +94,18 @@ def load_picture(path: Path | str, shape: tuple[int, int] | None = None) -> np.n
     """Reads an image as (H, W, 3) float32 in [0, 1], resized to a width and height if given; transparent pixels show black."""
     with Image.open(path) as image:
         flat = Image.alpha_composite(Image.new("RGBA", image.size, (0, 0, 0, 255)), image.convert("RGBA"))
-    shown = flat.convert("RGB")
-    if shape:
-        shown = shown.resize(shape, Image.Resampling.LANCZOS)
+    shown = flat.convert("RGB").resize(shape or flat.size, Image.Resampling.LANCZOS)
     return np.asarray(shown, np.float32) / 255.0
 
 
 def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str, fonts: Path) -> Image.Image:
-    """A sheet of labeled panels: `rows` of (label, image), above the prompt in at most four lines ("" for none).
-
-    All images of a row get the height of its first.
-    """
+    """A sheet of panels, `rows` of (label, image) with the height of the first, above the prompt in at most four lines ("" for none)."""
     title = font(26, prompt, fonts)
     label = font(18, "".join(name for row in rows for name, _ in row), fonts)
-    sizes = [[_fitted(picture, _fitted(row[0][1])[1]) for _, picture in row] for row in rows]
+    sizes = []
+    for row in rows:
+        high = picture_size(row[0][1].size, _PANEL)[1]
+        sizes.append([(max(round(picture.width * (high / picture.height)), 1), high) for _, picture in row])
     total = max(sum(width + _MARGIN for width, _ in row) for row in sizes) + _MARGIN
     lines = wrapped(f"“{prompt}”", title, total - 2 * _MARGIN, 4) if prompt.strip() else []
     head = 2 * _MARGIN + 8
@@ -136,13 +124,6 @@ def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str, font
     return sheet
 
 
-def _fitted(picture: Image.Image, high: int = 0) -> tuple[int, int]:
-    """Width and height of an image's panel: with the height `high`, or for 0 with a longer side of `_PANEL`."""
-    width, height = picture.size
-    scale = high / height if high else _PANEL / max(width, height)
-    return max(round(width * scale), 1), max(round(height * scale), 1)
-
-
 def font(size: int, text: str, fonts: Path) -> Font:
     """A font of a size in pixels that has the characters of a text; Pillow's small one where Blender's fonts are missing."""
     try:
@@ -155,11 +136,9 @@ def wrapped(text: str, face: Font, width: float, most: int) -> list[str]:
     """At most `most` lines of a text, each at most `width` pixels wide; "…" marks that text is left out."""
     lines = [""]
     for unit in _UNIT.findall(text):
-        longer = lines[-1] + unit
-        if lines[-1] and face.getlength(longer) > width:
-            lines.append(unit.lstrip())
-        else:
-            lines[-1] = longer.lstrip()
+        if lines[-1] and face.getlength(lines[-1] + unit) > width:
+            lines.append("")
+        lines[-1] = (lines[-1] + unit).lstrip()
     if len(lines) <= most:
         return lines
     last = lines[most - 1]

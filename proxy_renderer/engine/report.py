@@ -11,7 +11,7 @@ from typing import Any
 import torch
 
 from .. import __version__
-from ..claims.claim import Claim, ShotClaims
+from ..claims.claim import ShotClaims
 from ..claims.measures import MEASURES
 from ..color.tensors import linear_from_srgb
 from ..goals.written import as_json
@@ -25,12 +25,14 @@ from ..words.lexicon.quantities import quantities
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.types import PromptWord
 
-_PACKAGES = ("torch", "open_clip_torch", "numpy", "opencolorio", "trimesh")
-
 
 def search_facts(outcome: Outcome, words: Sequence[PromptWord]) -> dict[str, Any]:
     """Parameters, rounds, and how the prompt is understood."""
     goals, prompts = outcome.goals, outcome.prompts
+    versions = {"vibe-render": __version__, "python": platform.python_version()}
+    for package in ("torch", "open_clip_torch", "numpy", "opencolorio", "trimesh"):
+        with suppress(metadata.PackageNotFoundError):
+            versions[package] = metadata.version(package)
     return {
         "method": os.environ.get(VARIABLE, ""),
         "goals": as_json(goals),
@@ -46,12 +48,16 @@ def search_facts(outcome: Outcome, words: Sequence[PromptWord]) -> dict[str, Any
             "words": [word.row() for word in words],
             "notes": list(dict.fromkeys([*goals.parsed.notes, *outcome.plan.notes])),
         },
-        "versions": versions(),
+        "versions": versions,
     }
 
 
 def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
     """A record of each parameter: "moved" is a distance on the perceptual scale; "priority" 0 comes first, None stays."""
+
+    def plain(values: Values) -> float | list[float]:
+        return values[0] if len(values) == 1 else list(values)
+
     after = outcome.vector.values(outcome.u)
     lower, upper = (outcome.vector.plain(b) for b in outcome.vector.bounds(outcome.ranges))
     links = outcome.shots[0].scene.links.items()
@@ -71,11 +77,6 @@ def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
     }
 
 
-def plain(values: Values) -> float | list[float]:
-    """A number for one component, a list for several."""
-    return values[0] if len(values) == 1 else list(values)
-
-
 def changed_values(outcome: Outcome, shot: ShotState | None = None) -> dict[str, list[float]]:
     """Key -> components, of all values that differ from the artist's scene, with the keys of a shot, or of the first."""
     vector = (shot or outcome).vector
@@ -83,19 +84,15 @@ def changed_values(outcome: Outcome, shot: ShotState | None = None) -> dict[str,
 
 
 def anchored(outcome: Outcome, blenders: Sequence[BlenderPictures]) -> dict[str, Any]:
-    """{"anchored": {"pictures", "predicted", "notes"}} on the anchors, which corrected the proxy of each shot.
-
-    `predicted` is the mean CIEDE2000 between the last anchor and the prediction before it; of several shots, their mean.
-    """
-    pictures, predicted, notes = [], [], []
+    """{"anchored": {"pictures", "predicted", "notes"}} on the anchors; "predicted" is how far the last ones were from predictions."""
+    pictures = []
     for shot, blender in zip(outcome.shots, blenders, strict=True):
         pairs = zip(shot.records, blender.seconds, strict=True)
-        records = [{**record, "seconds": seconds} for record, seconds in pairs]
-        pictures += records
-        predicted += [records[-1]["delta_e"]] if records else []
-        notes += blender.notes
+        pictures += [{**record, "seconds": seconds} for record, seconds in pairs]
+    notes = dict.fromkeys(note for blender in blenders for note in blender.notes)
+    predicted = [shot.records[-1]["delta_e"] for shot in outcome.shots if shot.records]
     mean = {"predicted": round(sum(predicted) / len(predicted), 3)} if predicted else {}
-    return {"anchored": {"pictures": pictures, **mean, "notes": list(dict.fromkeys(notes))}}
+    return {"anchored": {"pictures": pictures, **mean, "notes": list(notes)}}
 
 
 def claims_about(outcome: Outcome) -> list[ShotClaims]:
@@ -116,20 +113,10 @@ def foreseen(outcome: Outcome, claims: list[ShotClaims]) -> list[dict[str, Any]]
     return claims[0].verdicts(shot.before.display, after, after)
 
 
-def versions() -> dict[str, str]:
-    """Versions of the engine and of the packages that it runs on."""
-    installed = {"vibe-render": __version__, "python": platform.python_version()}
-    for package in _PACKAGES:
-        with suppress(metadata.PackageNotFoundError):
-            installed[package] = metadata.version(package)
-    return installed
-
-
 # Verdicts on every word, and why the image does not show it
 
 
-# In noticeable steps of a claim:
-_HELPS = 1.0  # a value whose whole range changes the claim by less does not help it
+_HELPS = 1.0  # noticeable steps of a claim: a value whose whole range changes the claim by less does not help it
 _LEFT = 0.5  # a value whose rest of the range could bring less is at the end of its range
 _WORSE = 0.3  # another claim that a value's step makes worse by as much conflicts
 _NOTHING = dict.fromkeys(("word", "state", "missing", "why", "unlock"), "")
@@ -137,15 +124,11 @@ _UNLIT = 0.005  # linear display value up to which a gray surface counts as reac
 
 
 def word_verdicts(outcome: Outcome, rows: Sequence[Mapping[str, Any]], seen: GBuffer) -> list[dict[str, str]]:
-    """A row for each word, and one with the word "" for each missed rule that holds for every image.
+    """A row for each word, and one with the word "" for each missed rule that holds for every image, from a shot's verdicts on claims.
 
-    A word's "state" is "visible", "already" (satisfied before the search), "unmeasured" or "missed". For a missed word,
-    "missing" compares the value with the wanted one, "why" gives the reason, and "unlock" the key of a value whose lock is
-    the reason, or "".
-
-    Args:
-        rows: Verdicts on the claims about a shot.
-        seen: G-buffer of the first shot with the values found.
+    A word's "state" is "visible", "already" (satisfied before the search), "unmeasured" or "missed". For a missed word, "missing"
+    compares the value with the wanted one, "why" gives the reason, and "unlock" the key of a value whose lock is the reason, or "".
+    `seen` is the G-buffer of the first shot with the values found.
     """
     goals, states, found = outcome.goals, word_states(rows), []
     vague = default_vocabulary().lists["unmeasured"]
@@ -178,10 +161,20 @@ def _missing(row: Mapping[str, Any]) -> str:
 
 def _obstacle(outcome: Outcome, number: int, seen: GBuffer) -> dict[str, str]:
     """The reason why a claim is missed: "why" as text, and "unlock" with the key of a value whose lock is the reason."""
-    claim = outcome.claims[number]
-    if locked := _locked(outcome, claim):
-        why = f"{labels.title(locked)} may not change: {outcome.vector.instances[locked].locked}"
-        return {"why": why, "unlock": locked if LOCKED in why else ""}
+    claim, table = outcome.claims[number], quantities()
+
+    # All values that could serve the claim may be locked.
+    rows = (f"thing {claim.measure}", f"{claim.part} {claim.measure}", claim.measure)
+    quantity = next((table.measures[row] for row in rows if row in table.measures), "")
+    every = outcome.vector.instances.values()
+    serving = [each for each in every if table.parameters.get(each.parameter.family) == quantity]
+    if claim.materials:
+        serving = [each for each in serving if each.owner in claim.materials]
+    if serving and all(each.locked for each in serving):
+        key = serving[0].key
+        why = f"{labels.title(key)} may not change: {serving[0].locked}"
+        return {"why": why, "unlock": key if LOCKED in why else ""}
+
     where = claim.region(seen)
     lit = seen.gray is None or where is None or linear_from_srgb(seen.gray[where]).mean() > _UNLIT
     if claim.is_of_thing and not lit:
@@ -189,24 +182,8 @@ def _obstacle(outcome: Outcome, number: int, seen: GBuffer) -> dict[str, str]:
     return {"why": _opponent(outcome, number)}
 
 
-def _locked(outcome: Outcome, claim: Claim) -> str:
-    """Key of the first value that could serve a claim, if all such values are locked; else ""."""
-    table = quantities()
-    rows = (f"thing {claim.measure}", f"{claim.part} {claim.measure}", claim.measure)
-    quantity = next((table.measures[row] for row in rows if row in table.measures), "")
-    every = outcome.vector.instances.values()
-    serving = [each for each in every if table.parameters.get(each.parameter.family) == quantity]
-    if claim.materials:
-        serving = [each for each in serving if each.owner in claim.materials]
-    return serving[0].key if serving and all(each.locked for each in serving) else ""
-
-
 def _opponent(outcome: Outcome, number: int) -> str:
-    """The reason, as text, why the values that may change miss a claim, by the linear model of the last steps.
-
-    No value helps the claim, or one is at the end of its range, or another claim conflicts, or more rounds may help. The
-    reason is "" if there is no model.
-    """
+    """The reason, as text, why the values that may change miss a claim, by the linear model of the last steps; "" without a model."""
     known = outcome.descent.known if outcome.descent else None
     regions = [where for shot in outcome.shots if shot.claims for where in enumerate(shot.claims.regions)]
     measured = [i for i, where in regions if where is not None]  # numbers of claims, shot by shot

@@ -44,8 +44,7 @@ def pick_device(name: str) -> str:
     try:
         torch.zeros(1, device=name)
     except (RuntimeError, AssertionError) as error:
-        remedy = "Use --device cpu, or run `vibe doctor`."
-        raise VibeError(f"There is no device {name!r} here.", remedy) from error
+        raise VibeError(f"There is no device {name!r} here.", "Use --device cpu, or run `vibe doctor`.") from error
     return name
 
 
@@ -63,7 +62,6 @@ class EngineSession:
     ) -> None:
         self.shots, self.prompt, self.options, self._observer = shots, prompt, options, observer
         self._known = known  # the last anchor of the vibe before
-        self._method = load_method()
         self._encoder: Encoder  # `run` sets it, and the next
         self._outcome: pipeline.Outcome
         endpoint = find_endpoint(options, vlm_key)
@@ -74,12 +72,10 @@ class EngineSession:
 
     def run(self) -> messages.Result:
         """Finds the values and reports on them; `draw` makes its images. Raises VibeError for a bad job, prompt or encoder."""
-        options, observer, clock = self.options, self._observer, _Stopwatch()
+        options, observer, began = self.options, self._observer, time.monotonic()
         observer.stage("loading the encoder")
-        device = pick_device(options.device)
-        encoder = self._encoder = load_encoder(options.encoder or None, device)
-        clock.lap("load encoder")
-
+        encoder = self._encoder = load_encoder(options.encoder or None, pick_device(options.device))
+        loaded = time.monotonic()
         observer.stage("loading the scene")
         scenes = [load_scene(Path(shot.job)) for shot in self.shots]
         observer.stage("setting the light")
@@ -89,18 +85,19 @@ class EngineSession:
         stage = linked(stage, options)
         if options.goes_on:
             options = replace(options, rounds=min(options.rounds, _FURTHER))
-        clock.lap("load scene")
+        staged = time.monotonic()
 
-        advisor = None  # None is the offline planner; otherwise a model is parser and confiner
+        advisor = None  # the offline planner, unless a model is parser and confiner
         if self._model is not None and self.prompt.strip():
             advisor = ModelAdvisor(stage.understood, stage.goals, self._model, observer.stage, stage.plan)
         scenes = stage.scenes
         blenders = [BlenderPictures(s, observer.ask, options.seed, n) for n, s in enumerate(scenes)]
         rows_of_shots = zip(scenes, blenders, self.shots, strict=True)
         views = [ShotInput(s, b if options.anchor else None, shot.file, self._known) for s, b, shot in rows_of_shots]
-        search = Search(views, stage, options, encoder, observer, advisor, self._method)
-        outcome = self._outcome = pipeline.run(search)
-        clock.lap("loop", sum(blender.waited for blender in blenders))
+        outcome = self._outcome = pipeline.run(Search(views, stage, options, encoder, observer, advisor, load_method()))
+        ended, waited = time.monotonic(), sum(blender.waited for blender in blenders)
+        timings = {"load encoder": loaded - began, "load scene": staged - loaded}
+        timings |= {"loop": ended - staged - waited, "wait for Blender": waited}
 
         self._claims = report.claims_about(outcome)
         values = [report.changed_values(outcome, shot) for shot in outcome.shots]
@@ -108,7 +105,7 @@ class EngineSession:
         for number, look in enumerate(outcome.variants, start=1):
             changed = report.changed_values(look, look.shots[0])
             reasons = {key: look.plan[key].reason for key in changed if key in look.plan}
-            file = pictures.variant_file(number)
+            file = pictures.VARIANT.format(number)
             variants.append(messages.Variant(changed, file, round(look.loss, 4), reasons))
         rows: dict[str, Any] = {"prompt": self.prompt, "encoder": encoder.name, "seed": options.seed}
         rows |= report.search_facts(outcome, stage.understood.words)
@@ -122,9 +119,10 @@ class EngineSession:
             rows["variants"] = [{"score": v.score, "values": v.values} for v in variants]
         claims = report.foreseen(outcome, self._claims)
         verdicts = word_verdicts(outcome, claims, self._claims[0].after)
-        rows |= {"claims": claims, "verdicts": verdicts, "timings": clock.laps}
+        rows |= {"claims": claims, "verdicts": verdicts}
+        rows["timings"] = {name: round(seconds, 3) for name, seconds in timings.items()}
         several = values if len(values) > 1 else []
-        return messages.Result(values[0], rows, pictures.PREDICTION, outcome.stopped, variants, several)
+        return messages.Result(values[0], rows, pictures.PICTURES["shown"], outcome.stopped, variants, several)
 
     @property
     def last_picture(self) -> KnownPicture | None:
@@ -179,13 +177,11 @@ class EngineSession:
 
     def check(self, request: messages.Check) -> messages.Checked:
         """Verdicts on Cycles' renders of another frame, by the claims of this vibe; after `run`."""
-        outcome, encoder = self._outcome, self._encoder
-        scene = load_scene(Path(request.job))
         before, after = (torch.from_numpy(pictures.load_picture(p)) for p in (request.before, request.after))
-        size = after.shape[1], after.shape[0]
-        seen = Proxy(scene, size, str(encoder.device), self.options.seed).gbuffer({})
-        rows = ShotClaims(outcome.claims, seen, seen).verdicts(before, after, after)
-        return messages.Checked(word_verdicts(outcome, rows, seen))
+        scene, size = load_scene(Path(request.job)), (after.shape[1], after.shape[0])
+        seen = Proxy(scene, size, str(self._encoder.device), self.options.seed).gbuffer({})
+        rows = ShotClaims(self._outcome.claims, seen, seen).verdicts(before, after, after)
+        return messages.Checked(word_verdicts(self._outcome, rows, seen))
 
     def _sheet(self, rows: Sequence[Sequence[tuple[str, Image.Image]]]) -> Image.Image:
         fonts = Path(self._outcome.shots[0].scene.film.fonts)
@@ -215,19 +211,3 @@ def _similarity(encoder: Encoder, caption: str, picture: np.ndarray) -> float:
     batch = torch.from_numpy(picture).permute(2, 0, 1)[None].to(encoder.device)
     features = encoder.encode_images(regions.whole(batch, encoder.size))
     return round(float((features @ encoder.encode_texts([caption]).T).item()), 4)
-
-
-class _Stopwatch:
-    """Seconds by the names of laps."""
-
-    def __init__(self) -> None:
-        self.laps: dict[str, float] = {}
-        self._last = time.monotonic()
-
-    def lap(self, name: str, waited: float | None = None) -> None:
-        """Records the seconds since the last lap; `waited` are those spent on Blender, which are recorded separately."""
-        now = time.monotonic()
-        self.laps[name] = round(now - self._last - (waited or 0.0), 3)
-        if waited is not None:
-            self.laps["wait for Blender"] = round(waited, 3)
-        self._last = now

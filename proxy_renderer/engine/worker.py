@@ -14,9 +14,8 @@ import sys
 import threading
 import time
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO, TypeVar
+from typing import TYPE_CHECKING, BinaryIO
 
 from .. import __version__
 from ..folders import cache_folder
@@ -33,32 +32,22 @@ if TYPE_CHECKING:
     from .session import EngineSession
 
 
-_PREVIEW_SECONDS = 1.0
-_PROGRESS_SECONDS = 0.1
 _ANSWER_SECONDS = 600.0  # most that Blender may take to answer: it may be rendering something else first
-_Look = TypeVar("_Look", bound=messages.LookSoFar)
 
 
 class Wire:
-    """The connection to the other side: it sends messages, and sorts those that arrive.
-
-    A thread reads, so that "stop" is heard while the loop runs.
-
-    Attributes:
-        inbox: Requests in order; None when the other side has gone.
-        anchored: Blender's answers to the engine's own requests.
-        asked: Requests to read a prompt; a thread of its own answers them without a delay.
-        stop: Set when the loop should end now.
-    """
+    """The connection to the other side: it sends messages, and sorts those that arrive."""
 
     def __init__(self, source: BinaryIO, sink: BinaryIO) -> None:
         self._source, self._sink = source, sink
         self._lock = threading.Lock()
+        # requests in order; None when the other side has gone
         self.inbox: queue.Queue[messages.Message | VibeError | None] = queue.Queue()
-        self.anchored: queue.Queue[messages.Anchored] = queue.Queue()
+        self.anchored: queue.Queue[messages.Anchored] = queue.Queue()  # answers to the engine's own requests
+        # requests to read a prompt; a thread of its own answers them without a delay
         self.asked: queue.Queue[messages.AskReadings] = queue.Queue()
-        self.stop = threading.Event()
-        threading.Thread(target=self._listen, daemon=True).start()
+        self.stop = threading.Event()  # set when the loop should end now
+        threading.Thread(target=self._listen, daemon=True).start()  # hears "stop" while the loop runs
 
     def send(self, message: messages.Message) -> None:
         """Writes one message; quietly gives up when nobody listens any more."""
@@ -111,17 +100,17 @@ class RemoteObserver:
 
     def look(self, look: EarlyLook) -> None:
         """Sends an early look; if its image is not drawn yet, the last one stays."""
-        self._wire.send(look_message(messages.LookSoFar, look, self._job))
+        self._wire.send(look_message(look, self._job))
 
     def step(self, progress: messages.Progress, display: Tensor) -> bool:
-        """Reports a step, with its image (H, W, 3) about once a second; returns whether the loop should end."""
+        """Reports a step, at most ten a second, with its image (H, W, 3) about once a second; returns whether the loop should end."""
         from .pictures import save_picture
 
         now = time.monotonic()
-        if now - self._previewed > _PREVIEW_SECONDS:
+        if now - self._previewed > 1.0:
             save_picture(display, self._job / progress.preview)
             self._previewed = now
-        if now - self._reported > _PROGRESS_SECONDS or progress.step == progress.steps:
+        if now - self._reported > 0.1 or progress.step == progress.steps:
             self._wire.send(progress)
             self._reported = now
         return self.stopped()
@@ -131,38 +120,28 @@ class RemoteObserver:
         return self._wire.stop.is_set()
 
     def ask(self, request: messages.Anchor) -> messages.Anchored | None:
-        """Has Blender render, and waits for the answer, which holds an error if that fails or takes too long.
-
-        Returns None if the loop should end.
-        """
-        if not self._wire.stop.is_set():
+        """Has Blender render; returns its answer, which holds an error if that fails or takes too long, or None to end the loop."""
+        if not self.stopped():
             self._wire.send(request)
         end = time.monotonic() + _ANSWER_SECONDS
-        while not self._wire.stop.is_set() and time.monotonic() < end:
-            try:
+        while not self.stopped() and time.monotonic() < end:
+            with suppress(queue.Empty):
                 answer = self._wire.anchored.get(timeout=0.1)
-            except queue.Empty:
-                continue
-            if answer.number == request.number:
-                return answer
-        if self._wire.stop.is_set():
+                if answer.number == request.number:
+                    return answer
+        if self.stopped():
             return None
         return messages.Anchored(request.number, error=f"no answer within {_ANSWER_SECONDS:.0f} s")
 
 
-def look_message(kind: type[_Look], look: EarlyLook, job: Path) -> _Look:
+def look_message(look: EarlyLook, job: Path) -> messages.LookSoFar:
     """The message of a look, whose image is written into the job folder."""
     from .pictures import save_picture
 
     if look.display is not None:
         save_picture(look.display, job / PREVIEW)
     values = {key: list(value) for key, value in look.values.items()}
-    return kind(values, "" if look.display is None else PREVIEW, dict(look.words))
-
-
-_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of mallopt(3)
-_KEPT = 2**30  # bytes
-_LOW_PRIORITY = 5  # of 19, as `nice` counts: at 10 an engine on a busy machine took a minute to be warm
+    return messages.LookSoFar(values, "" if look.display is None else PREVIEW, dict(look.words))
 
 
 def serve(source: BinaryIO, sink: BinaryIO) -> None:
@@ -198,34 +177,23 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
                 wire.send(session.finish(request))
             elif isinstance(request, messages.Check):
                 wire.send(session.check(request))
-        except VibeError as error:
-            wire.send(messages.Error(error.message, error.remedy))
-        except MemoryError:
-            remedy = "Use a smaller --size or a lighter scene."
-            wire.send(messages.Error("The engine ran out of memory.", remedy))
-        except OSError as error:
-            wire.send(_file_trouble(request, error))
         except Exception as error:
-            wire.send(_fault(error))
+            wire.send(_error(request, error))
 
 
-def _fault(error: Exception) -> messages.Error:
-    fault = errors.to_show(error, "the engine was at work")
-    return messages.Error(fault.message, fault.remedy, unexpected=True)
-
-
-def _file_trouble(request: object, error: OSError) -> messages.Error:
-    if not atomic.is_full(error):
-        return _fault(error)
-    folder = getattr(request, "job", "") or Path(getattr(request, "compare_out", "")).parent
-    return messages.Error(f"There is no room left on the disk, in {folder}.", "Make room there.")
+def _error(request: messages.Message | VibeError, error: Exception) -> messages.Error:
+    """The message for an error on the way to an answer."""
+    if isinstance(error, MemoryError):
+        return messages.Error("The engine ran out of memory.", "Use a smaller --size or a lighter scene.")
+    if isinstance(error, OSError) and atomic.is_full(error):
+        folder = getattr(request, "job", "") or Path(getattr(request, "compare_out", "")).parent
+        return messages.Error(f"There is no room left on the disk, in {folder}.", "Make room there.")
+    shown = errors.to_show(error, "the engine was at work")
+    return messages.Error(shown.message, shown.remedy, unexpected=shown is not error)
 
 
 def _vibe(wire: Wire, request: messages.Vibe, known: KnownPicture | None) -> EngineSession:
-    """Carries out one vibe and sends its result; images are drawn before the result is sent if the panel shows looks.
-
-    `known` is the last anchor of the vibe before, with which a further sentence begins.
-    """
+    """Carries out one vibe and sends its result; a further sentence begins with the image `known`, the last anchor of the vibe before."""
     check_schema(request.schema, "add-on")
     options = messages.Options.from_dict(request.options)
     job = Path(request.job)
@@ -236,7 +204,7 @@ def _vibe(wire: Wire, request: messages.Vibe, known: KnownPicture | None) -> Eng
     shots = request.shots or [messages.Shot(request.job, "", "")]
     session = EngineSession(shots, request.prompt, options, observer, request.vlm_key, known)
     result = session.run()
-    if request.looks:
+    if request.looks:  # the panel shows the prediction
         observer.stage("drawing the prediction")
         session.draw()
     wire.send(result)
@@ -248,8 +216,10 @@ def _vibe(wire: Wire, request: messages.Vibe, known: KnownPicture | None) -> Eng
 def _glance(wire: Wire, request: messages.Glance, glances: Glances) -> messages.Glanced:
     """The answer to a request for a first look; empty if no word is known yet, or the request was stopped."""
     check_schema(request.schema, "add-on")
-    look, job = glances.look(request, wire.stop.is_set), Path(request.job)
-    return replace(look_message(messages.Glanced, look, job), before=BEFORE) if look else messages.Glanced({})
+    look = glances.look(request, wire.stop.is_set)
+    if look is None:
+        return messages.Glanced({})
+    return messages.Glanced(**vars(look_message(look, Path(request.job))), before=BEFORE)
 
 
 def _read_words(wire: Wire) -> None:
@@ -264,14 +234,15 @@ def _read_words(wire: Wire) -> None:
             check_schema(request.schema, "add-on")
             answer = live.answer(request)
         except Exception as error:  # the panel shows it, and the next character is another try
-            answer = messages.Readings(request.prompt, note=_fault(error).message)
+            answer = messages.Readings(request.prompt, note=_error(request, error).message)
         wire.send(answer)
 
 
 def _warm_up() -> None:
     """Imports torch, and loads the embedded encoder and the vocabulary; what fails here is reported by the vibe that needs it."""
     if sys.platform == "linux":
-        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _LOW_PRIORITY)  # nobody has asked yet
+        # Nobody has asked yet. At a priority of 10, of 19, an engine on a busy machine took a minute to be warm.
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 5)
     with suppress(VibeError):
         from ..guidance.encoder import load_encoder
         from ..words.lexicon.user_words import default_vocabulary
@@ -282,17 +253,13 @@ def _warm_up() -> None:
 
 
 def keep_freed_memory() -> None:
-    """Has glibc keep up to 1 GiB of freed memory; on systems other than Linux nothing changes.
+    """Has glibc, on Linux, keep up to 1 GiB of freed memory.
 
-    By default an array over 32 MB is returned to the system as soon as it is freed, and the pages of the next one are
-    cleared again. A step at 2048² pixels took twice as long because of this.
+    By default it returns arrays over 32 MB, and clears the pages of the next: steps at 2048² pixels took twice as long.
     """
-    if sys.platform != "linux":
-        return
-    library = ctypes.CDLL(None)
-    if hasattr(library, "mallopt"):
-        library.mallopt(_MMAP_THRESHOLD, _KEPT)
-        library.mallopt(_TRIM_THRESHOLD, _KEPT)
+    if sys.platform == "linux" and hasattr(library := ctypes.CDLL(None), "mallopt"):
+        for threshold in (-3, -1):  # M_MMAP_THRESHOLD and M_TRIM_THRESHOLD of mallopt(3)
+            library.mallopt(threshold, 2**30)
 
 
 def main() -> None:

@@ -16,11 +16,8 @@ from torch import Tensor, nn
 from ..schema.errors import VibeError
 
 PATCH = 4
-_DARK = 0.03  # added before logarithms are taken, so that noise in black hardly counts
 GRID = 5  # cells along one side of the last grid of features
-
 _REMEDY = "Use the embedded encoder (leave --encoder out), or a tag such as ViT-B-32-256/datacomp_s34b_b86k."
-_PATIENCE = 8.0  # seconds to wait for the hub's answer
 
 
 class Block(nn.Module):
@@ -45,10 +42,7 @@ class Block(nn.Module):
 
 
 class Stem(nn.Module):
-    """A linear projection of patches, plus two convolutions, because the projection cannot tell sharp edges from blurred.
-
-    Sharp edges mean gloss in reflections, and hard light in shadows.
-    """
+    """A linear projection of patches, and convolutions that tell sharp edges, of gloss and hard light, from blurred."""
 
     def __init__(self, outputs: int) -> None:
         super().__init__()
@@ -70,19 +64,16 @@ def with_logarithm(x: Tensor) -> Tensor:
     """An image (B, 3, H, W) of display values v as (v − 0.5) / 0.25, and its logarithm, as six channels.
 
     The light multiplies a surface's color; in the logarithm both add up. So shade, a color cast of the light or a highlight
-    changes every color in the same way.
+    changes every color in the same way. The 0.03 is added so that noise in black hardly counts.
     """
-    return torch.cat([x, torch.log((0.25 * x + 0.5).clamp_min(0) + _DARK) + 1], 1)
+    return torch.cat([x, torch.log((0.25 * x + 0.5).clamp_min(0) + 0.03) + 1], 1)
 
 
 class Tower(nn.Sequential):
     """Images (B, 3, H, W) → features (B, features), by plain residual blocks on a patch stem (He et al. 2016).
 
-    Pooling forgets where things are, but "lit from the left" and "dark corners" are about places: the projection takes the
-    whole last grid. On a CPU it costs half of what open_clip's ModifiedResNet of the same size does.
-
-    `stem` makes, for a number of channels, a module that turns images into a grid of a fourth of their width and height.
-    A stride of 2 halves the grid.
+    Pooling forgets where things are, but "lit from the left" and "dark corners" are about places: the projection takes the whole
+    last grid. `stem` makes, for a number of channels, a module that turns images into a grid of a fourth of their width and height.
     """
 
     def __init__(
@@ -120,13 +111,11 @@ class Encoder:
         self.name, self.device = name, device
         # Channels last is a fifth faster for convolutions on the CPU.
         self._model = model.to(device, memory_format=torch.channels_last).eval().requires_grad_(False)
-        self._tokenizer = tokenizer
-        config = model.visual.preprocess_cfg
-        size = config["size"]
+        self._tokenizer, self._config = tokenizer, model.visual.preprocess_cfg
+        size = self._config["size"]
         self.size: int = size if isinstance(size, int) else size[0]  # pixels, of a square
-        self._mode = config.get("interpolation", "bicubic")
-        self._resize = config.get("resize_mode", "shortest")
-        self._mean, self._std = (torch.tensor(config[key], device=device)[:, None, None] for key in ("mean", "std"))
+        mean_and_deviation = (self._config["mean"], self._config["std"])
+        self._mean, self._std = torch.tensor(mean_and_deviation, device=device)[..., None, None]
 
     def encode_images(self, pictures: Tensor) -> Tensor:
         """Unit features (B, D) of images (B, 3, H, W) in [0, 1] of any size, differentiable in them."""
@@ -140,15 +129,15 @@ class Encoder:
     def preprocess(self, pictures: Tensor) -> Tensor:
         """The model's own transform of images (B, 3, H, W) in [0, 1], differentiable: resize, crop or pad to (B, 3, size, size), normalize."""
         height, width = pictures.shape[-2:]
-        pick = {"shortest": min, "longest": max}.get(self._resize)
+        pick = {"shortest": min, "longest": max}.get(self._config.get("resize_mode", "shortest"))
         scale = self.size / pick(height, width) if pick else None
         target = (round(height * scale), round(width * scale)) if scale else (self.size, self.size)
         if (height, width) != target:
-            pictures = F.interpolate(pictures, target, mode=self._mode, antialias=True, align_corners=False)
+            mode = self._config.get("interpolation", "bicubic")
+            pictures = F.interpolate(pictures, target, mode=mode, antialias=True, align_corners=False)
         top, left = (target[0] - self.size) // 2, (target[1] - self.size) // 2
         if top or left:  # negative padding crops
-            edges = (-left, self.size - target[1] + left, -top, self.size - target[0] + top)
-            pictures = F.pad(pictures, edges)
+            pictures = F.pad(pictures, (-left, self.size - target[1] + left, -top, self.size - target[0] + top))
         return (pictures.clamp(0, 1) - self._mean) / self._std
 
 
@@ -199,7 +188,7 @@ def _check_reachable(name: str, repository: str) -> None:
     if not repository or Path(constants.HF_HUB_CACHE, f"models--{repository.replace('/', '--')}", "snapshots").exists():
         return
     try:
-        urllib.request.urlopen(constants.ENDPOINT, timeout=_PATIENCE).close()
+        urllib.request.urlopen(constants.ENDPOINT, timeout=8.0).close()
     except urllib.error.HTTPError:
         return  # it answers
     except OSError as error:

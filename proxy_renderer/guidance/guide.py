@@ -13,37 +13,24 @@ from . import regions
 from .encoder import Encoder
 
 _REGIONS = ("subject", "surroundings", "whole")  # fields of `Prompts`, `Weights` and `Views`
-_PLAIN = "a picture of an object"  # says nothing of its look
 
 
 def positive_loss(features: Tensor, text: Tensor) -> Tensor:
-    """Equation 3: 1 − s(I, p) in [0, 2], of unit features (views, D) of an image and (1, D) of a phrase.
-
-    The similarity s is the mean over views of the cosine.
-    """
+    """Equation 3: 1 − s(I, p), the mean cosine of unit features (views, D) of an image and (1, D) of a phrase."""
     return 1.0 - (features @ text.T).mean()
 
 
 def negative_loss(features: Tensor, texts: Tensor, margin: float) -> Tensor:
-    """Equation 4: max(0, s(I, p⁻) − m) for the most similar p⁻ of some negative phrases.
-
-    The unit features (views, D) are those of the image, (phrases, D) those of the phrases that it must not look like.
-    """
+    """Equation 4: max(0, s(I, p⁻) − m) for the most similar of negative phrases (phrases, D) to an image (views, D)."""
     return F.relu((features @ texts.T).mean(0) - margin).max()
 
 
 def direction_loss(features: Tensor, start: Tensor, text: Tensor, plain: Tensor, least: float = 0.1) -> Tensor:
-    """1 − cos(ΔI, ΔT): the image should change in the direction in which the words differ from a plain caption.
+    """1 − cos(ΔI, ΔT): the image should change in the direction in which the words differ from a plain caption (StyleGAN-NADA).
 
-    An adversarial change, which makes the image similar to the words but like no image, has another direction
-    (StyleGAN-NADA).
-
-    Args:
-        features: Unit features of the image, (views, D).
-        start: Mean features (D,) of the starting image.
-        text: Unit features (1, D) of the words.
-        plain: Unit features (1, D) of the plain caption.
-        least: Length of ΔI at which the cosine counts half.
+    An adversarial change, which makes the image similar to the words but like no image, has another direction. `features` (views, D)
+    and `start`, the mean (D,), are those of two images, `text` and `plain`, (1, D) each, those of the captions. At the length `least`
+    of ΔI the cosine counts half.
     """
     moved = features.mean(0) - start
     length = (moved.square().sum() + 1e-8).sqrt()
@@ -52,8 +39,7 @@ def direction_loss(features: Tensor, start: Tensor, text: Tensor, plain: Tensor,
 
 def border_loss(mask: Tensor) -> Tensor:
     """Mean of the subject's coverage (H, W) along the border of the image, which should not cut the subject off."""
-    edges = torch.cat([mask[0], mask[-1], mask[1:-1, 0], mask[1:-1, -1]])
-    return edges.mean()
+    return torch.cat([mask[0], mask[-1], mask[1:-1, 0], mask[1:-1, -1]]).mean()
 
 
 def claims_loss(residuals: list[Tensor]) -> Tensor:
@@ -65,12 +51,8 @@ def claims_loss(residuals: list[Tensor]) -> Tensor:
 def hue_consistency_loss(where: Tensor, colors: Tensor, weights: Tensor) -> Tensor:
     """Squared deviation of each color's components from a common place in their ranges, so that the color keeps its hue.
 
-    The range of a color is a box around the named color, and the corners of the box have other hues.
-
-    Args:
-        where: Place in [0, 1] of each of N components in its range, (N,).
-        colors: Indices (M, 3) of the components of M colors.
-        weights: Weight (N,) of each component; 0 for those that are fixed.
+    The range of a color is a box around the named color, and the corners of the box have other hues. `where` and `weights` (N,) are the
+    components' places in [0, 1], and weights, 0 for fixed ones; `colors` (M, 3) are the indices of the components of M colors.
     """
     place, weight = where[colors], weights[colors]
     middle = (place * weight).sum(1, keepdim=True) / weight.sum(1, keepdim=True).clamp_min(1.0)
@@ -78,10 +60,7 @@ def hue_consistency_loss(where: Tensor, colors: Tensor, weights: Tensor) -> Tens
 
 
 def prior_loss(where: Tensor, home: Tensor, weight: Tensor) -> Tensor:
-    """Pull to the artist's values: weighted squared distance of places (N,) in ranges from the artist's, `home` (N,).
-
-    The weights (N,) are in [0, 1].
-    """
+    """Pull to the artist's values: squared distance of places (N,) in ranges from the artist's, with weights (N,) in [0, 1]."""
     return (weight * (where - home).square()).sum()
 
 
@@ -120,33 +99,22 @@ class NoGuidance:
 
 
 class PromptGuidance:
-    """The objective for one prompt.
+    """The objective for one prompt; margins of equation 4 are calibrated on `start`, image (H, W, 3) and subject mask (H, W).
 
-    The margins of equation 4 are calibrated on `start`, image (H, W, 3) and subject mask (H, W) of the artist's scene:
-    the similarity of unrelated images and phrases differs between encoders.
+    For the similarity of unrelated images and phrases differs between encoders.
     """
 
-    def __init__(
-        self,
-        encoder: Encoder,
-        prompts: Prompts,
-        start: tuple[Tensor, Tensor],
-        weights: Weights | None = None,
-        views: regions.Views | None = None,
-    ) -> None:
-        self.encoder, self.weights, self.views = encoder, weights or Weights(), views or regions.Views()
+    def __init__(self, encoder: Encoder, prompts: Prompts, start: tuple[Tensor, Tensor], weights: Weights) -> None:
+        self.encoder, self.weights, self.views = encoder, weights, regions.Views()
         self.positive = {r: _texts(encoder, (getattr(prompts, r),)) for r in _REGIONS}
         self.negative = {r: _texts(encoder, getattr(prompts, f"{r}_negatives")) for r in _REGIONS}
         with torch.no_grad():
             features = self._features(*start, torch.Generator().manual_seed(0))
-        self.plain = _texts(encoder, (_PLAIN,))
+        self.plain = _texts(encoder, ("a picture of an object",))  # says nothing of its look
         self.start = features["whole"].mean(0)
-        # mean similarity that this encoder finds between the starting image and each region's phrases
-        self.margins = dict.fromkeys(_REGIONS, 0.0)
-        for r in _REGIONS:
-            phrases = torch.cat([self.positive[r], self.negative[r]])
-            if len(phrases):
-                self.margins[r] = float((features[r] @ phrases.T).mean())
+        # mean similarity that this encoder finds between the starting image and each region's phrases; NaN without any
+        phrases = {r: torch.cat([self.positive[r], self.negative[r]]) for r in _REGIONS}
+        self.margins = {r: float((features[r] @ phrases[r].T).mean()) for r in _REGIONS}
 
     def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
         """The weighted terms. Arguments as for `Guidance`."""
@@ -160,8 +128,8 @@ class PromptGuidance:
                 loss = negative_loss(features[region], self.negative[region], self.margins[region])
                 terms[f"{region} negative"] = w.negative * loss
         if len(self.positive["whole"]):
-            toward = direction_loss(features["whole"], self.start, self.positive["whole"], self.plain)
-            terms["direction"] = w.direction * toward
+            words = self.positive["whole"]
+            terms["direction"] = w.direction * direction_loss(features["whole"], self.start, words, self.plain)
         return terms
 
     def _features(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:

@@ -11,29 +11,20 @@ import torch.nn.functional as F
 from torch import Tensor
 
 _CORNERS = torch.tensor([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-_TRIES = 8
-_HELD = 0.7  # least share of a region in a crop
+_TRIES, _HELD = 8, 0.7  # crops that are drawn for one that shows enough of a region; share of the region that is enough
 _SCALE = (0.75, 1.0)  # of a crop's side, relative to the image's
-_DISTORTION = 0.2  # by which its corners may move inwards, relative to half the side
-_EVERY_PLAIN = 2  # every so many views of a subject, one has the mean color of the surroundings behind it
 
 
 def quads(count: int, generator: torch.Generator) -> Tensor:
-    """Random quadrilaterals inside the image, each the source of one view: (count, 4, 2) corners in [-1, 1].
-
-    They run clockwise from the top left; x to the right, y down.
-    """
+    """Random quadrilaterals, the sources of views: (count, 4, 2) corners x, y in [-1, 1], clockwise from the top left of the image."""
     side = _SCALE[0] + (_SCALE[1] - _SCALE[0]) * torch.rand(count, 1, 1, generator=generator)
     center = (2.0 * torch.rand(count, 1, 2, generator=generator) - 1.0) * (1.0 - side)
-    inwards = 1.0 - _DISTORTION * torch.rand(count, 4, 2, generator=generator)
+    inwards = 1.0 - 0.2 * torch.rand(count, 4, 2, generator=generator)  # the corners are distorted
     return center + side * _CORNERS * inwards
 
 
 def keeping(mask: Tensor, count: int, generator: torch.Generator) -> Tensor:
-    """Random quadrilaterals, as from `quads`, that hold enough of a region.
-
-    Crops that hold too little of the soft mask (H, W) are drawn again; after a few tries the one that holds most is taken.
-    """
+    """Random quadrilaterals, as from `quads`, that hold enough of a region, the soft mask (H, W), or the most of a few tries."""
     tries = quads(count * _TRIES, generator)
     small = F.interpolate(mask.detach().cpu().float()[None, None], size=(32, 32), mode="area")[0, 0]
     low, high = tries.amin(1), tries.amax(1)
@@ -56,7 +47,17 @@ def warp(pictures: Tensor, corners: Tensor, size: int) -> Tensor:
     axis = (torch.arange(size, dtype=torch.float64) + 0.5) * (2.0 / size) - 1.0
     y, x = torch.meshgrid(axis, axis, indexing="ij")
     points = torch.stack([x, y, torch.ones_like(x)], -1).view(-1, 3)
-    mapped = points @ _homographies(corners.double()).transpose(1, 2)
+
+    # Homographies (B, 3, 3) from [-1, 1]² to the quadrilaterals, by the direct linear transform with h₃₃ = 1
+    x, y = _CORNERS.double().expand(count, -1, -1).unbind(-1)
+    u, v = corners.double().unbind(-1)
+    one, zero = torch.ones_like(x), torch.zeros_like(x)
+    rows_u = torch.stack([x, y, one, zero, zero, zero, -u * x, -u * y], -1)
+    rows_v = torch.stack([zero, zero, zero, x, y, one, -v * x, -v * y], -1)
+    solved = torch.linalg.solve(torch.cat([rows_u, rows_v], 1), torch.cat([u, v], 1))
+    homographies = F.pad(solved, (0, 1), value=1.0).view(-1, 3, 3)
+
+    mapped = points @ homographies.transpose(1, 2)
     grid = (mapped[..., :2] / mapped[..., 2:]).view(count, size, size, 2).to(pictures)
     return F.grid_sample(pictures.expand(count, -1, -1, -1), grid, padding_mode="border", align_corners=False)
 
@@ -64,18 +65,6 @@ def warp(pictures: Tensor, corners: Tensor, size: int) -> Tensor:
 def whole(pictures: Tensor, size: int) -> Tensor:
     """The uncropped images (B, C, H, W), scaled to squares (B, C, size, size), with gradients."""
     return F.interpolate(pictures, size=(size, size), mode="bilinear", antialias=True, align_corners=False)
-
-
-def _homographies(corners: Tensor) -> Tensor:
-    """Homographies (B, 3, 3) from [-1, 1]² to quadrilaterals (B, 4, 2), by the direct linear transform with h₃₃ = 1."""
-    source = _CORNERS.to(corners).expand(len(corners), -1, -1)
-    x, y = source.unbind(-1)
-    u, v = corners.unbind(-1)
-    one, zero = torch.ones_like(x), torch.zeros_like(x)
-    rows_u = torch.stack([x, y, one, zero, zero, zero, -u * x, -u * y], -1)
-    rows_v = torch.stack([zero, zero, zero, x, y, one, -v * x, -v * y], -1)
-    solved = torch.linalg.solve(torch.cat([rows_u, rows_v], 1), torch.cat([u, v], 1))
-    return torch.cat([solved, torch.ones_like(solved[:, :1])], 1).view(-1, 3, 3)
 
 
 @dataclass(frozen=True)
@@ -102,7 +91,7 @@ def subject_views(display: Tensor, mask: Tensor, count: int, generator: torch.Ge
     box = _frame(mask)
     display, mask = display[box], mask[box]
     backgrounds = torch.rand(count, 3, generator=generator).to(display)
-    backgrounds[::_EVERY_PLAIN] = mean(display, 1.0 - mask).detach()
+    backgrounds[::2] = mean(display, 1.0 - mask).detach()
     layers = torch.cat([display * mask[..., None], mask[..., None]], -1).permute(2, 0, 1)[None]
     cut = warp(layers, keeping(mask, count, generator), size)
     return cut[:, :3] + (1.0 - cut[:, 3:]) * backgrounds[:, :, None, None]
@@ -112,8 +101,7 @@ def surroundings_views(display: Tensor, mask: Tensor, count: int, generator: tor
     """I ⊙ (1 − M), the hole filled with the mean color of what remains. Arguments as for `subject_views`."""
     rest = (1.0 - mask)[..., None]
     filled = display * rest + mask[..., None] * mean(display, 1.0 - mask)
-    corners = keeping(1.0 - mask, count, generator)
-    return warp(filled.permute(2, 0, 1)[None], corners, size)
+    return warp(filled.permute(2, 0, 1)[None], keeping(1.0 - mask, count, generator), size)
 
 
 def whole_views(display: Tensor, count: int, generator: torch.Generator, size: int) -> Tensor:
@@ -125,14 +113,12 @@ def whole_views(display: Tensor, count: int, generator: torch.Generator, size: i
     return torch.cat([full, warp(picture, quads(count - 1, generator), size)])
 
 
-def _frame(mask: Tensor, margin: float = 0.15) -> tuple[slice, slice]:
+def _frame(mask: Tensor) -> tuple[slice, ...]:
     """Rows and columns of a nearly square window around the subject, with a margin; all of them without a subject."""
     solid = mask.detach() > 0.5
-    rows, columns = solid.any(1).nonzero(), solid.any(0).nonzero()
-    if not len(rows):
+    if not solid.any():
         return slice(None), slice(None)
-    center = [(int(axis[0]) + int(axis[-1]) + 1) / 2 for axis in (rows, columns)]
-    half = max(int(axis[-1]) - int(axis[0]) + 1 for axis in (rows, columns)) * (0.5 + margin)
-    low = [max(int(c - half), 0) for c in center]
-    high = [min(int(c + half) + 1, n) for c, n in zip(center, mask.shape, strict=True)]
-    return slice(low[0], high[0]), slice(low[1], high[1])
+    ends = [(int(axis[0]), int(axis[-1]) + 1) for axis in (solid.any(1).nonzero(), solid.any(0).nonzero())]
+    half = max(high - low for low, high in ends) * 0.65
+    axes = zip(((low + high) / 2 for low, high in ends), mask.shape, strict=True)
+    return tuple(slice(max(int(middle - half), 0), min(int(middle + half) + 1, size)) for middle, size in axes)

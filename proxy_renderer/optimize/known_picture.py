@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The Cycles image that a vibe ended with: a further sentence starts with it and needs no new render."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
@@ -18,7 +16,7 @@ from ..schema import Values, split_key
 
 _ROUNDING, _ZERO = (1e-4, 1e-5)  # relative and absolute rounding error of a number on the way into Blender and back
 _BAKED = 0.02  # mean difference, relative to the mean, by which two bakes of an image may differ
-_COMPARED = ("resolution", "pixel_aspect", "camera", "materials", "objects", "volume", "bounces", "unseen")
+_COMPARED = ("resolution", "pixel_aspect", "camera", "materials", "objects", "volume", "bounces", "unseen", "world")
 
 
 @dataclass(frozen=True)
@@ -30,19 +28,15 @@ class KnownPicture:
     picture: CyclesPicture
 
     def values_in(self, scene: SceneData) -> dict[str, Values] | None:
-        """The values of the image that differ from a scene's own, by key; they are powers and colors of lights alone.
-
-        None if anything else differs, for then the image does not show the scene.
-        """
+        """The values, by key, that differ from a scene's own: powers and colors of lights; None if anything else differs."""
         mine, theirs = ({light.name: light for light in each.lights} for each in (self.scene, scene))
-        unlit = {name for name in theirs.keys() - mine.keys() if _is_off(name, scene)}
+        powers = (i for i in scene.instances.values() if i.parameter.family in BRIGHTNESS)
+        unlit = theirs.keys() - mine.keys() - {i.owner for i in powers if i.value[0] > OFF * i.reference}
         if scene.mesh is not self.scene.mesh or mine.keys() != theirs.keys() - unlit:
             return None
-        if not all(alike(getattr(self.scene, name), getattr(scene, name)) for name in _COMPARED):
-            return None
-        if not (alike(self.scene.world, scene.world) and self.scene.film.gain == scene.film.gain):
-            return None
-        if not all(_is_same_light(mine[name], theirs[name]) for name in mine):
+        pairs = [(getattr(self.scene, name), getattr(scene, name)) for name in _COMPARED]
+        pairs += [(_without_values(mine[name]), _without_values(theirs[name])) for name in mine]
+        if self.scene.film.gain != scene.film.gain or not all(alike(one, other) for one, other in pairs):
             return None
         differing: dict[str, Values] = {}
         for key, instance in scene.instances.items():
@@ -56,27 +50,18 @@ class KnownPicture:
         return differing if all(is_of_light(key, scene) for key in differing) else None
 
 
-def _is_off(light: str, scene: SceneData) -> bool:
-    powers = (i for i in scene.instances.values() if i.owner == light and i.parameter.family in BRIGHTNESS)
-    return all(power.value[0] <= OFF * power.reference for power in powers)
-
-
-def _is_same_light(one: Light, other: Light) -> bool:
-    """True if two lights differ at most in their parameters and in what depends on them, as position and role."""
-    if one.fixed:
-        return alike(one, other)
-    one, other = (
-        replace(each, position=(0.0, 0.0, 0.0), added=False, role="", use_temperature=False) for each in (one, other)
-    )
-    return alike(one, other)
+def _without_values(light: Light) -> Light:
+    """A light without what its parameters decide, as position and role."""
+    if light.fixed:
+        return light
+    return replace(light, position=(0.0, 0.0, 0.0), added=False, role="", use_temperature=False)
 
 
 def alike(one: Any, other: Any) -> bool:
     """True if two dataclasses, mappings, sequences, arrays or numbers are equal up to rounding."""
     if is_dataclass(one):
-        return type(one) is type(other) and all(
-            alike(getattr(one, field.name), getattr(other, field.name)) for field in fields(one)
-        )
+        names = [field.name for field in fields(one)]
+        return type(one) is type(other) and all(alike(getattr(one, n), getattr(other, n)) for n in names)
     if isinstance(one, Mapping):
         return one.keys() == other.keys() and all(alike(one[key], other[key]) for key in one)
     if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):

@@ -29,10 +29,7 @@ _PROGRESS = 1e-3  # predicted decrease up to which a step is not worth rendering
 
 @dataclass(frozen=True)
 class Assessment:
-    """The claims' values in the images of a point u, the intervals that are sought, and the other terms of the loss.
-
-    M is the number of all values: a claim has one or several.
-    """
+    """The claims' M values in the images of a point u, one or several for each claim, their aims, and the other terms of the loss."""
 
     values: Tensor  # (M,) of the claims' measures, in noticeable steps
     lower: Tensor  # (M,) lower ends of the aims, in noticeable steps
@@ -96,10 +93,8 @@ class LinearModel:
         # NumPy views of the same memory: on so few numbers its calls cost a third of torch's
         ahead, missed = torch.zeros_like(self.rest_slope), torch.zeros_like(self.here.values)
         move = at = ahead.numpy()
-        values, lower, upper, weight = (
-            t.numpy() for t in (self.here.values, self.here.lower, self.here.upper, weights)
-        )
-        rest, least, most = self.rest_slope.numpy(), low.numpy(), high.numpy()
+        values, lower, upper = (t.numpy() for t in (self.here.values, self.here.lower, self.here.upper))
+        weight, rest, least, most = (t.numpy() for t in (weights, self.rest_slope, low, high))
         for number in range(_ITERATIONS):
             there = values + (self.slopes @ ahead).numpy()
             missed.numpy()[:] = weight * (there - np.clip(there, lower, upper))
@@ -111,20 +106,13 @@ class LinearModel:
             ahead = torch.from_numpy(at)
         return torch.from_numpy(move)
 
-    def of(self, components: Tensor) -> LinearModel:
+    def of(self, some: Tensor) -> LinearModel:
         """The model of some components (n,) bool; the others stay."""
-        return replace(
-            self,
-            slopes=self.slopes[:, components],
-            rest_slope=self.rest_slope[components],
-            stiffness=self.stiffness[components][:, components],
-        )
+        parts = self.slopes[:, some], self.rest_slope[some], self.stiffness[some][:, some]
+        return LinearModel(self.here, *parts, self.weight)
 
     def gains(self, move: Tensor, parts: Mapping[str, slice], low: Tensor, high: Tensor) -> dict[str, float]:
-        """Part -> the predicted decrease of the loss if its components alone moved on from x + move (n,) within [low, high].
-
-        They move by one damped Newton step. A part is the slice of a parameter's components.
-        """
+        """Part (a parameter's slice) -> predicted decrease of the loss by one damped Newton step of it alone from x + move (n,)."""
         values, held = self.here.values + self.slopes @ move, self.stiffness @ move
         far = self.here.misses(values).clamp_min(1.0)[self.here.claim]
         missed = outside(values, self.here.lower, self.here.upper)
@@ -151,10 +139,7 @@ class LinearModel:
         return 1.0 - float(rest.norm()) / length
 
     def corrected(self, seen: Assessment, move: Tensor) -> LinearModel:
-        """The model at x with nonzero slopes changed to agree with the assessment at x + move (Broyden 1965, Schubert 1970).
-
-        The move (n,) is not zero.
-        """
+        """The model at x, its slopes changed to agree with an assessment at x + move ≠ x (n,) (Broyden 1965, Schubert 1970)."""
         along = move / move.square().sum()
         moved = (self.slopes != 0) * move  # (M, n)
         missing = seen.values - self.here.values - self.slopes @ move
@@ -233,7 +218,11 @@ def solve(
                 seen = objective.assess(project(place(x + move), lower, upper))
             loss = seen.loss(seen.values, seen.rest, objective.claim_weight)
             share = (found.loss - loss) / predicted if math.isfinite(loss) else -math.inf
-            radius = _resized(radius, share, float(move.abs().max()))
+            length = float(move.abs().max())
+            if share < _BAD:
+                radius = 0.4 * length
+            elif share > _GOOD:
+                radius = max(radius, min(2.0 * length, 1.0))
             found.steps += 1
             if share > 0.0:
                 model, x, fresh = model.moved(seen, move), x + move, False
@@ -257,13 +246,6 @@ def linearize(objective: ClaimObjective, u: Tensor, chosen: Tensor, span: Tensor
     """The linear model at u (N,) of the n chosen components (N,); its moves are shares of their ranges `span` (n,)."""
     here, values, rest = objective.slopes(u, chosen)
     return LinearModel(here, values * span, rest * span, objective.stiffness(chosen), objective.claim_weight)
-
-
-def _resized(radius: float, share: float, length: float) -> float:
-    """The trust region's next radius, after a step of this length that achieved this share of the predicted decrease."""
-    if share < _BAD:
-        return 0.4 * length
-    return max(radius, min(2.0 * length, 1.0)) if share > _GOOD else radius
 
 
 @dataclass

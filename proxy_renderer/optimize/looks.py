@@ -34,18 +34,11 @@ class Looks:
             self._seen = shot.gbuffer(self._home)
 
     def planned(self, advisor: Advisor) -> tuple[Tensor, Advice]:
-        """The point u (N,) that the words alone give, and their advice: lines 2 to 5 and 7 of Algorithm 1.
-
-        Raises VibeError if no word is known.
-        """
+        """The point u (N,) of the words alone (lines 2 to 5 and 7), and their advice; raises VibeError if no word is known."""
         vector, home = self._shot.vector, self._home
         advice = self._shot.advised(advisor, home, self._described)
-        ranges = feasible_ranges(advice.plan, vector.instances, vector.values(home))
-        return project(start_point(vector, advice.plan, home), *vector.bounds(ranges)), advice
-
-    def values(self, u: Tensor) -> EarlyLook:
-        """The look of u (N,) without an image."""
-        return EarlyLook(self._shot.vector.changes(u), None, {})
+        bounds = vector.bounds(feasible_ranges(advice.plan, vector.instances, vector.values(home)))
+        return project(start_point(vector, advice.plan, home), *bounds), advice
 
     def drawn(self, u: Tensor, claims: tuple[Claim, ...], shot: ShotState | None = None) -> EarlyLook:
         """The look of u (N,) with its image, drawn by a `shot` whose proxy is corrected; None for the uncorrected proxy."""

@@ -8,6 +8,7 @@
   (Curtis, Powell and Reid 1974).
 """
 
+import itertools
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
@@ -23,13 +24,10 @@ from .shots import ShotState, chosen_values
 from .vector import ParameterVector, start_point
 
 _PICTURES = 5  # images that take as long to draw as one backward pass
-
-_NAMED = 0.15
-"""Weight of the pull to a start that words name, as a named color: claims override this pull, similarity alone does not."""
+_NAMED = 0.15  # weight of the pull to a start that words name: claims override this pull, similarity alone does not
 _UNNAMED = 100.0  # added weight of keeping hue for colors without words: a floor may get lighter, not greener
 _GRAY = 1e-4  # largest difference between the components of a gray, in u
 _BETWEEN_GRAYS = 8.0  # added weight, if both ends of a range are gray: shadows may be lifted, not tinted
-
 _TOGETHER = 32  # most backward passes in one batch: each needs the memory of a pass
 _NEAR = 5.0  # values farther inside of an aim, in noticeable steps, get no gradients: no step leaves it
 _STEP = 0.02  # share of its range by which a component is moved: large, for moved shadows have some grain
@@ -38,11 +36,9 @@ _Judge = Callable[[Sequence[Render], Tensor], Assessment]  # of all shots at a p
 
 
 class RoundObjective:
-    """The function that a round minimizes, see `least_squares.ClaimObjective`.
+    """The function that a round minimizes, see `least_squares.ClaimObjective`; the shots `seen` draw and judge images.
 
     Args:
-        seen: The shots, which draw and judge images.
-        plan: Has the starts and weights of the pull to the artist's values or to words' starts, and which hues are free.
         free: Keys that gradients go to. If the camera is not among them, visibility is not differentiated.
         box: Lower and upper corner of the feasible box, each (N,).
         differences: Whether slopes are computed by differences.
@@ -61,9 +57,7 @@ class RoundObjective:
         self.seen, self.vector, self.free = seen, vector, set(free)
         self.claim_weight = weights.claims
         self._box, self._weights, self._differences = box, weights, differences
-        lower, upper = box
-        self._span = (upper - lower).clamp_min(1e-9)
-        self._moves = self._moves_camera(self.free)
+        self._span = (box[1] - box[0]).clamp_min(1e-9)
 
         # Each component's pull home: the point, and the weight in [0, 1], which is 0 if words name a range
         artist = vector.encode({})
@@ -71,58 +65,42 @@ class RoundObjective:
         self._pull = torch.zeros_like(artist)
         for key in free:
             self._pull[vector.slices[key]] = plan[key].prior if plan[key].start is None else _NAMED
-        scene = {key for key in free if vector.instances[key].parameter.group != "material"}
+        parameters = {key: vector.instances[key].parameter for key in sorted(free)}
+        self._camera = {key for key, p in parameters.items() if p.group == "camera"}
+        scene = [key for key, p in parameters.items() if p.group != "material"]
         self._supports = vector.mark(key for key in scene if not plan[key].is_named)
 
         # Colors keep their hue
         unnamed = (self._pull > 0.0) & (self._home == artist)
         gray = torch.zeros_like(unnamed)
-        colors = [
-            vector.slices[key]
-            for key in sorted(free)
-            if vector.instances[key].parameter.components == 3 and not plan[key].any_hue
-        ]
+        colors = [vector.slices[k] for k, p in parameters.items() if p.components == 3 and not plan[k].any_hue]
         for part in colors:
             gray[part] = all(float(end[part].max() - end[part].min()) < _GRAY for end in box)
-        self._hued = (upper - lower > 1e-9) * (1.0 + _UNNAMED * unnamed + _BETWEEN_GRAYS * gray)
-        rows = [[part.start + i for i in range(3)] for part in colors]
-        self._colors = torch.tensor(rows).view(-1, 3).long()
-
-    @property
-    def shots(self) -> int:
-        """Number of images."""
-        return len(self.seen)
-
-    def render(self, u: Tensor, shot: int) -> Render:
-        """The proxy's image of u (N,) in a shot (from 0), differentiable in the free keys."""
-        return self.seen[shot].draw(u, self.free)
+        self._hued = (box[1] - box[0] > 1e-9) * (1.0 + _UNNAMED * unnamed + _BETWEEN_GRAYS * gray)
+        self._colors = torch.tensor([[*range(part.start, part.stop)] for part in colors]).view(-1, 3).long()
 
     def assess(self, u: Tensor) -> Assessment:
         """The assessment of the images of all shots at u (N,), differentiable in the free keys."""
-        return self.judge([self.render(u, shot) for shot in range(self.shots)], u)
+        return self.judge([shot.draw(u, self.free) for shot in self.seen], u)
 
     def judge(self, pictures: Sequence[Render], u: Tensor) -> Assessment:
         """The assessment of u (N,) from its images, one for each shot, which are given."""
-        similar = [
-            term for n, picture in enumerate(pictures) for term in self._similar(picture, fixed_views(), n).values()
-        ]
+        similar = [self._similar(picture, fixed_views(), n).values() for n, picture in enumerate(pictures)]
+        total = sum(itertools.chain(*similar), pictures[0].display.new_zeros(()))
         rows = [row for shot, picture in zip(self.seen, pictures, strict=True) for row in shot.aims(picture)]
         aims = [row[1:] for row in rows]
         values, lower, upper = (torch.cat([u.new_zeros(0), *(row[i].to(u) for row in aims)]) for i in range(3))
         numbers = [torch.full(row[0].shape, number) for number, row in enumerate(aims)]
         claim = torch.cat([torch.zeros(0).long(), *numbers])
         finish = torch.tensor([MEASURES[each.measure].of_finish for each, *_ in rows]).bool()[claim]
-        rest = sum(similar, pictures[0].display.new_zeros(())).to(u) / self.shots + self.held(u)
+        rest = total.to(u) / len(self.seen) + self.held(u)
         return Assessment(values, lower, upper, claim, rest, pictures[0], finish)
 
     def account(self, u: Tensor) -> dict[str, dict[str, float]]:
         """{"terms": {term: its weighted value at u (N,), as a mean over the shots}}, for the report."""
-        terms = []
-        for number, shot in enumerate(self.seen):
-            with torch.no_grad():
-                found = self.terms(shot.draw(u), fixed_views(), number)
-            terms.append({name: float(value) for name, value in found.items()})
-        return {"terms": {name: round(sum(row[name] for row in terms) / len(terms), 4) for name in terms[0]}}
+        with torch.no_grad():
+            rows = [self.terms(shot.draw(u), fixed_views(), number) for number, shot in enumerate(self.seen)]
+        return {"terms": {name: round(sum(float(row[name]) for row in rows) / len(rows), 4) for name in rows[0]}}
 
     def terms(self, picture: Render, generator: torch.Generator, shot: int) -> dict[str, Tensor]:
         """The weighted terms of the loss for an image of a shot (from 0), differentiable in the image."""
@@ -135,7 +113,7 @@ class RoundObjective:
         guidance = self.seen[shot].guidance
         assert guidance is not None
         terms = guidance(picture.display, picture.mask, generator)
-        if self._moves:
+        if self._camera:
             terms["border"] = self._weights.border * border_loss(picture.mask)
         return terms
 
@@ -158,37 +136,26 @@ class RoundObjective:
         return prior + self._weights.hue * hue
 
     def slopes(self, u: Tensor, chosen: Tensor) -> Slopes:
-        """Slopes at u (N,) over the n chosen components (N,) bool.
-
-        Supporting parameters have slope 0 for claims about a finish, so that they do not fake it: a darker room is no duller sofa.
-        """
-        found = self._slopes(u, chosen)
-        assert found.here.finish is not None
-        faked = found.here.finish[:, None] & self._supports[chosen]
-        return found._replace(values=found.values.masked_fill(faked, 0.0))
-
-    def _slopes(self, u: Tensor, chosen: Tensor) -> Slopes:
-        """Slopes, computed in the cheapest way.
+        """Slopes at u (N,) over the n chosen components (N,) bool, computed in the cheapest way.
 
         A reference image has hundreds of values. Backward passes for all are expensive, even through the film alone, so differences
         are used. A camera that moves sees other objects: only backward passes through the renderer differentiate outlines.
         """
-        if self._differences:
-            stride = self.vector.strides(u)
-            inside = u + stride <= self._box[0] + self._span
-            strides = torch.where(inside, stride, -stride)
-            with torch.no_grad():
-                nearby = Neighbors(self.seen, self.judge, u, strides)
-            return difference_slopes(nearby.assess, u, chosen, strides)
         keys = {key for key in self.free if chosen[self.vector.slices[key]].any()}
         values = 1 + sum(len(shot.claims.claims) for shot in self.seen if shot.claims)
-        dear = pictures_for(self.seen, keys) > _PICTURES * values * self.shots
-        if self._moves_camera(keys) or dear:
-            return backward_slopes(self.assess, u, chosen)
-        return forward_slopes(self.seen, self.judge, u, chosen, (self._box[0], self._box[0] + self._span))
-
-    def _moves_camera(self, keys: Collection[str]) -> bool:
-        return any(self.vector.instances[key].parameter.group == "camera" for key in keys)
+        box = self._box[0], self._box[0] + self._span
+        if self._differences:
+            stride = self.vector.strides(u)
+            strides = torch.where(u + stride <= box[1], stride, -stride)
+            found = difference_slopes(neighbors(self.seen, self.judge, u, strides), u, chosen, strides)
+        elif keys & self._camera or pictures_for(self.seen, keys) > _PICTURES * values * len(self.seen):
+            found = backward_slopes(self.assess, u, chosen)
+        else:
+            found = forward_slopes(self.seen, self.judge, u, chosen, box)
+        # Supporting parameters have slope 0 for claims about a finish, so that they do not fake it: a darker room is no duller sofa.
+        assert found.here.finish is not None
+        faked = found.here.finish[:, None] & self._supports[chosen]
+        return found._replace(values=found.values.masked_fill(faked, 0.0))
 
 
 def backward_slopes(assess: Callable[[Tensor], Assessment], u: Tensor, chosen: Tensor) -> Slopes:
@@ -202,8 +169,8 @@ def backward_slopes(assess: Callable[[Tensor], Assessment], u: Tensor, chosen: T
 def gradients(found: Assessment, leaves: Sequence[Tensor], together: bool = False) -> list[Tensor]:
     """For each leaf, (M + 1, ...) the gradients of the M values and, last, of the rest.
 
-    They are 0 for values so far inside of their aims that no step leads out. If `together`, backward passes run in batches, which
-    need no more kernel launches on a GPU than one pass.
+    They are 0 for values so far inside of their aims that no step leads out. If `together`, backward passes run in batches: on a GPU
+    a batch needs no more kernel launches than one pass.
     """
     near_end = (found.values < found.lower + _NEAR) | (found.values > found.upper - _NEAR)
     rows = [*found.values.unbind(), found.rest]
@@ -230,29 +197,24 @@ def gradients(found: Assessment, leaves: Sequence[Tensor], together: bool = Fals
 def difference_slopes(assess: Callable[[Tensor], Assessment], u: Tensor, chosen: Tensor, strides: Tensor) -> Slopes:
     """Slopes at u (N,) over the chosen components (N,) bool, by the difference along a stride (N,) in each of them."""
     here = assess(u)
-    columns, rest = [], []
+    columns = []
     for i in chosen.nonzero()[:, 0]:
-        stride = strides[i]
-        there = assess(u.index_add(0, i[None], stride[None]))
-        columns.append((there.values - here.values) / stride)
-        rest.append((there.rest - here.rest) / stride)
-    slopes = torch.nan_to_num(torch.stack(columns, 1), 0.0, 0.0, 0.0)
-    return Slopes(here, slopes, torch.nan_to_num(torch.stack(rest), 0.0, 0.0, 0.0))
+        there = assess(u.index_add(0, i[None], strides[i, None]))
+        moved = torch.cat([there.values - here.values, (there.rest - here.rest)[None]])
+        columns.append(torch.nan_to_num(moved / strides[i], 0.0, 0.0, 0.0))
+    slopes = torch.stack(columns, 1)
+    return Slopes(here, slopes[:-1], slopes[-1])
 
 
-class Neighbors:
+@torch.no_grad()
+def neighbors(seen: Sequence[ShotState], judge: _Judge, u: Tensor, strides: Tensor) -> Callable[[Tensor], Assessment]:
     """Assesses a point u (N,) and the points that differ from it by a stride (N,) in one component, with shared ray tracing."""
-
-    def __init__(self, seen: Sequence[ShotState], judge: _Judge, u: Tensor, strides: Tensor) -> None:
-        self._shots, self._judge = [_ShotNeighbors(shot, u, strides) for shot in seen], judge
-
-    def assess(self, point: Tensor) -> Assessment:
-        """The assessment of the point u itself, or of one of its neighbors (N,)."""
-        return self._judge([shot.picture(point) for shot in self._shots], point)
+    shots = [_ShotNeighbors(shot, u, strides) for shot in seen]
+    return lambda point: judge([shot.picture(point) for shot in shots], point)
 
 
 class _ShotNeighbors:
-    """A shot's images of a point and its neighbors; arguments as for `Neighbors`."""
+    """A shot's images of a point and its neighbors; arguments as for `neighbors`."""
 
     def __init__(self, shot: ShotState, u: Tensor, strides: Tensor) -> None:
         self._shot, self._u, self._moved, self._proxy = shot, u, u + strides, shot.corrected
@@ -271,23 +233,17 @@ class _ShotNeighbors:
             group = vector.instances[key].parameter.group
             if group == "camera":
                 return self._shot.draw(point)
-            if group != "film":
-                latent = self._exposed(key, part, differs[part])
+            if group == "film":
+                continue
+            if self._last is None or self._last[0] != key:
+                there = self._u.clone()
+                there[part] = self._moved[part]
+                self._last = key, self._proxy.expose(self._values(there), self._cache.aside())
+            latent = self._last[1]
+            if len(differs[part]) > 1:  # all components of a color are moved in one image, and each changes one channel
+                linear = torch.where(differs[part], latent.linear, self._here.linear)
+                latent = replace(self._here, linear=linear)
         return self._proxy.develop(latent, self._values(point))
-
-    def _exposed(self, key: str, part: slice, components: Tensor) -> LatentImage:
-        """The undeveloped image with some components (C,) bool of a key moved by their strides.
-
-        If the key is a color, all its components are moved in one image, and each changes one channel of the result.
-        """
-        if self._last is None or self._last[0] != key:
-            there = self._u.clone()
-            there[part] = self._moved[part]
-            self._last = key, self._proxy.expose(self._values(there), self._cache.aside())
-        latent = self._last[1]
-        if len(components) == 1:
-            return latent
-        return replace(self._here, linear=torch.where(components, latent.linear, self._here.linear))
 
     def _values(self, point: Tensor) -> dict[str, Tensor]:
         return chosen_values(self._shot.vector, point, self._proxy.device)
@@ -295,7 +251,8 @@ class _ShotNeighbors:
 
 def pictures_for(seen: Sequence[ShotState], keys: set[str]) -> int:
     """Number of images that `forward_slopes` would draw."""
-    return sum(key in keys and not _of_film(shot, own) for shot in seen for own, key in shot.names.items())
+    named = [shot.vector.instances[own] for shot in seen for own, key in shot.names.items() if key in keys]
+    return sum(instance.parameter.group != "film" for instance in named)
 
 
 def forward_slopes(
@@ -322,7 +279,7 @@ class _ForwardShot:
     def __init__(self, shot: ShotState, u: Tensor, chosen: Tensor) -> None:
         self._shot, self._u, self._proxy = shot, u, shot.corrected
         keys = {own for own, part in shot.vector.slices.items() if chosen[part].any()}
-        self._film = {key for key in keys if _of_film(shot, key)}
+        self._film = {key for key in keys if shot.vector.instances[key].parameter.group == "film"}
         self._scene = keys - self._film
         self._values = chosen_values(shot.vector, u, self._proxy.device, keys)
         with torch.no_grad():
@@ -339,12 +296,7 @@ class _ForwardShot:
         return self._proxy.develop(latent, values)
 
     def add(self, slopes: Tensor, gradients: Sequence[Tensor], move: Tensor) -> None:
-        """Adds the slopes of the scene's parameters to slopes (M + 1, N), in place.
-
-        Args:
-            gradients: For each leaf (M + 1, ...) the gradients of the values and of the rest.
-            move: (N,) by which each component is moved to see how the leaves change.
-        """
+        """Adds slopes of the scene's parameters to slopes (M + 1, N), from gradients for each leaf and a move (N,) of the parameters."""
         moved = self._shot.vector.along(self._u, move)
         for key in sorted(self._scene):
             part = self._shot.vector.slices[key]
@@ -356,15 +308,9 @@ class _ForwardShot:
             else:
                 pairs = zip(gradients, changes, strict=True)
                 effect = torch.stack([g.flatten(1) @ change.flatten() for g, change in pairs]).sum(0)[:, None]
-            steps = move[part]
-            slopes[:, part] += torch.where(steps != 0, effect.to(slopes) / steps, 0.0)
+            slopes[:, part] += torch.where(move[part] != 0, effect.to(slopes) / move[part], 0.0)
 
 
 def _fields(latent: LatentImage) -> list[Tensor]:
     """The fields of an undeveloped image that the scene's parameters change while the camera stands still."""
-    fields = latent.linear, latent.transmittance, latent.alpha
-    return [field for field in fields if field is not None]
-
-
-def _of_film(shot: ShotState, key: str) -> bool:
-    return shot.vector.instances[key].parameter.group == "film"
+    return [field for field in (latent.linear, latent.transmittance, latent.alpha) if field is not None]

@@ -25,19 +25,15 @@ from ..reference.like import Reference
 from ..schema import Values
 from .least_squares import Descent
 from .rounds import starts
-from .rounds.confiner import Confined, RoundStart, Start
+from .rounds.confiner import Confined, RoundStart
 from .rounds.search import Missed, Search
 from .rounds.selection import Selection
 from .shots import ShotState
 from .vector import ParameterVector
 
 CONVERGED = 0.005  # a round, other than the first, that lowers the loss by a smaller share is the last one
-
-OPENING, WIDEST = 0.5, 1.0
-"""Share of a range by which it opens at both ends in each further round while claims are missed; the largest sum of these."""
-
+OPENING, WIDEST = 0.5, 1.0  # share of a range's width that each further round adds at both ends; largest sum
 PATIENCE = 2  # number of rounds in a row that come no nearer to the words' claims, after which the loop ends
-
 WORTH, WORTH_LIKE = 0.1, 0.05
 """Share of the distance from the claims. A round that satisfies no further claim and reduces the distance by a smaller share is the
 last: an artist sees no difference. The second is for a reference image of the same scene, whose many places add up."""
@@ -63,10 +59,10 @@ def run(search: Search) -> Outcome:
     return replace(outcomes[0], variants=outcomes) if search.several else outcomes[0]
 
 
-def refine(search: Search, start: Start) -> Outcome:
+def refine(search: Search, start: RoundStart) -> Outcome:
     """The rounds from one start."""
     ends: list[RoundEnd] = []
-    here: RoundStart | None = RoundStart.at(start)
+    here: RoundStart | None = start
     while here:  # 1: for r = 0 to R - 1
         began = time.monotonic()
         now = search.confine(here)  # 2: render, 3: parse, 4: compose, 5: confine, 7: project
@@ -76,7 +72,7 @@ def refine(search: Search, start: Start) -> Outcome:
         seconds = time.monotonic() - began
         # 16: the next θ is the end of the steps, of which Cycles renders an image
         ends.append(RoundEnd.seen(search, now, chosen, descent, seconds))
-        if start.drawn is None and nearest(ends) is ends[-1]:
+        if not start.near and nearest(ends) is ends[-1]:
             search.show(ends[-1].shots, ends[-1].u)
         here = next_round(search, ends)
     return outcome_of(search, start, ends, least_change(search, ends))  # 18
@@ -96,9 +92,7 @@ class Outcome:
     claims: tuple[Claim, ...]  # of words and reference image
     shots: Sequence[ShotState]  # with their proxies corrected at u
     loss: float  # at u, at the end of its round
-    # one record per round: parameters, loss at start and end, its terms, the end's distance from the words'
-    # claims, steps, seconds
-    rounds: list[dict[str, Any]]
+    rounds: list[dict[str, Any]]  # one record per round, see `RoundEnd.seen`
     descent: Descent | None = None  # of the round that ended at u
     reference: Reference | None = None  # the image that replaces words, or adds to them
     stopped: bool = False  # whether the observer ended the loop
@@ -112,11 +106,9 @@ class RoundEnd:
     u: Tensor  # (N,) the point
     shots: Sequence[ShotState]  # with their proxies corrected at u
     missed: Missed  # distance of the corrected images from the words' claims
-    loss: float  # at u, before the correction
     confined: Confined  # the round's plan and ranges
     record: dict[str, Any]  # for the report, see `Outcome.rounds`
-    settled: bool  # whether the steps have hardly lowered the loss
-    descent: Descent  # the result of the inner steps
+    descent: Descent  # the result of the inner steps, with the loss before the correction
 
     @classmethod
     def seen(cls, search: Search, now: Confined, chosen: Selection, descent: Descent, seconds: float) -> RoundEnd:
@@ -133,9 +125,7 @@ class RoundEnd:
         }
         shots, missed = search.seen(now.shots, descent.u, now.here.number)
         record["missed"] = missed._asdict()
-        settled = descent.start_loss - descent.loss < CONVERGED * abs(descent.start_loss)
-        now = replace(now, plan=chosen.with_reasons(now.plan))
-        return cls(descent.u, shots, missed, descent.loss, now, record, settled, descent)
+        return cls(descent.u, shots, missed, replace(now, plan=chosen.with_reasons(now.plan)), record, descent)
 
 
 def nearest(ends: Sequence[RoundEnd]) -> RoundEnd:
@@ -145,23 +135,22 @@ def nearest(ends: Sequence[RoundEnd]) -> RoundEnd:
 
 def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
     """The round that follows the last of these ends; None if no further round is worth it, or none is left."""
-    last, best = ends[-1], nearest(ends)
-    here = last.confined.here
-    share, opening = here.share, here.opening
-    has_claims = claims_words(last.shots)
+    last, best, has_claims = ends[-1], nearest(ends), claims_words(ends[-1].shots)
     if len(ends) == search.rounds or not last.record["parameters"] or search.clock.stopped:
         return None
     if (has_claims and not last.missed.claims) or is_stuck(search, ends):
         return None
 
     # Ranges open while claims are missed. If wider ranges led astray, the plan's own ranges return.
-    astray = best is not last
+    here = last.confined.here
+    share, opening, astray = here.share, here.opening, best is not last
     too_wide = astray and opening > 0.0
-    if has_claims and here.start.drawn is None:
+    if has_claims and not here.near:
         opening = 0.0 if too_wide else min(opening + OPENING, WIDEST)
     if astray and not too_wide:
         share *= 0.5
-    return RoundStart(here.start, best.u, best.shots, here.number + 1, last.confined.plan, share, opening)
+    plan, number = last.confined.plan, here.number + 1
+    return replace(here, u=best.u, shots=best.shots, number=number, earlier=plan, share=share, opening=opening)
 
 
 def is_stuck(search: Search, ends: Sequence[RoundEnd]) -> bool:
@@ -169,8 +158,10 @@ def is_stuck(search: Search, ends: Sequence[RoundEnd]) -> bool:
     if len(ends) == 1:
         return False
     last, best, before = ends[-1], nearest(ends), nearest(ends[:-1]).missed
-    if last.settled or best is not last:
-        return last.settled or all(end.missed > best.missed for end in ends[-PATIENCE:])
+    if last.descent.start_loss - last.descent.loss < CONVERGED * abs(last.descent.start_loss):
+        return True
+    if best is not last:
+        return all(end.missed > best.missed for end in ends[-PATIENCE:])
     worth = WORTH_LIKE if search.reference and search.reference.same else WORTH
     gain = before.distance - last.missed.distance
     return last.missed.claims >= before.claims and gain < worth * before.distance
@@ -184,7 +175,7 @@ def claims_words(shots: Sequence[ShotState]) -> bool:
 def least_change(search: Search, ends: Sequence[RoundEnd]) -> RoundEnd:
     """The best end, with supporting parameters moved back, see `eased`, if a Cycles image confirms that no more claims are missed."""
     best = nearest(ends)
-    if not claims_words(best.shots) or best.confined.here.start.drawn is not None or search.clock.stopped:
+    if not claims_words(best.shots) or best.confined.here.near or search.clock.stopped:
         return best
     u = eased(search, best.shots, best.confined.plan, best.u)
     if u is None:
@@ -197,16 +188,10 @@ def least_change(search: Search, ends: Sequence[RoundEnd]) -> RoundEnd:
 
 
 def eased(search: Search, shots: Sequence[ShotState], plan: Plan, u: Tensor) -> Tensor | None:
-    """A point whose supporting parameters are as near to the artist's values as the claims allow, by the proxy's images.
+    """A point (N,) like u whose supporting parameters are as near to the artist's values as the claims allow; None if none is nearer.
 
     A round's steps may move them farther than the claims need. A dark car may need a little more light to be told from its floor,
-    and gets a white floor in glaring light, because no claim contradicts that.
-
-    Args:
-        u: (N,) the point to start from, at which the shots are corrected.
-
-    Returns:
-        (N,) a point at which no claim is noticeably farther from its aim; None if nothing is gained.
+    and gets a white floor in glaring light, because no claim contradicts that. The proxies, corrected at u, predict the claims.
     """
     if search.pictured:  # with a reference image all values may move freely
         return None
@@ -231,10 +216,10 @@ def _distances(shots: Sequence[ShotState], u: Tensor) -> Tensor:
     return torch.stack(found)
 
 
-def outcome_of(search: Search, start: Start, ends: Sequence[RoundEnd], best: RoundEnd) -> Outcome:
+def outcome_of(search: Search, start: RoundStart, ends: Sequence[RoundEnd], best: RoundEnd) -> Outcome:
     """The result of the rounds from a start."""
     plan = best.confined.plan
-    if start.drawn is not None:
+    if start.near:
         plan = starts.with_reasons(plan, search.vector, best.u)
     records = [end.record for end in ends]
     return Outcome(
@@ -247,7 +232,7 @@ def outcome_of(search: Search, start: Start, ends: Sequence[RoundEnd], best: Rou
         prompts=best.confined.advice.prompts,
         claims=search.claims,
         shots=best.shots,
-        loss=best.loss,
+        loss=best.descent.loss,
         rounds=records,
         descent=best.descent,
         reference=search.reference,

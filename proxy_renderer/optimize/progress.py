@@ -28,10 +28,7 @@ class Observer(Protocol):
         """Something other than a step begins."""
 
     def begin(self, display: Tensor, lit: bool) -> None:
-        """The loop begins with display (H, W, 3) in [0, 1], the image of the artist's values.
-
-        If not `lit`, this image and the image of the words' first values are both black.
-        """
+        """The loop begins with display (H, W, 3), the artist's image; if not `lit`, it and that of the words' first values are black."""
 
     def look(self, look: EarlyLook) -> None:
         """A first or a better look is found; the same look may follow again with its image."""
@@ -55,17 +52,12 @@ class Clock:
         self.stopped = False
 
     def follow(self, number: int) -> Callable[[int, float, Render], bool]:
-        """The callback for the inner steps of a round, whose `number` counts from 0.
-
-        It takes (step from 1, loss, image), and returns True if the loop should end.
-        """
+        """The callback for the inner steps of a round, whose `number` counts from 0, see `on_step` of `least_squares.solve`."""
         rounds, steps = self._rounds, self._most
-        last = time.monotonic()
+        begin, earlier = time.monotonic(), self._seconds
 
         def on_step(step: int, loss: float, picture: Render) -> bool:
-            nonlocal last
-            now = time.monotonic()
-            self._steps, self._seconds, last = self._steps + 1, self._seconds + now - last, now
+            self._steps, self._seconds = self._steps + 1, earlier + time.monotonic() - begin
             seconds = self._seconds / self._steps * ((rounds - number) * steps - step)
             progress = Progress(number + 1, rounds, step, steps, loss, seconds, PREVIEW)
             self.stopped |= self._observer.step(progress, picture.display.detach())

@@ -26,14 +26,12 @@ from ..scene import SceneData
 from ..schema import GROUPS, Instance, VibeError, labels, matches, material_copies, messages
 from ..schema.messages import Options
 from ..words.types import SceneDescription
-from .air_exposure import exposed_through_air
 from .known_picture import KnownPicture, alike
 from .scene_facts import described_now
-from .vector import ParameterVector
+from .vector import ParameterVector, exposed_through_air
 
 SAMPLES = 16  # samples per pixel of an anchor
 LONGEST = 30.0  # seconds that an anchor may take; after a slower one no more are requested
-_FAILURES = 2  # failures in a row after which no more anchors are requested
 
 AnchorRequest = Callable[[messages.Anchor], messages.Anchored | None]  # to Blender; None to end the loop
 
@@ -46,8 +44,7 @@ class BlenderPictures:
         self._number = self._failures = 0
         self._over = False
         self.seconds: list[float] = []  # Blender's time for each image
-        # seconds that requests had to wait because Blender was busy, as with the image of the artist's values
-        self.waited = 0.0
+        self.waited = 0.0  # seconds that requests waited because Blender was busy, as with the artist's image
         self.notes: list[str] = []  # failures, in words for the artist
 
     def __call__(self, values: dict[str, list[float]], size: tuple[int, int]) -> CyclesPicture | None:
@@ -61,34 +58,26 @@ class BlenderPictures:
         if answer is None:
             return None
         self.waited += max(time.monotonic() - asked - answer.seconds, 0.0)
+        path = Path(self._scene.folder) / answer.picture
         try:
-            picture = self._load(answer, size)
+            if answer.error:
+                raise VibeError(answer.error)
+            picture = CyclesPicture.load(path, answer.groups)
+            if picture.size != size:
+                raise VibeError(f"it has {picture.size} pixels instead of {size}")
         except VibeError as error:
             self._failures += 1
-            self._over = self._failures >= _FAILURES
-            self._note(f"Without a Cycles picture for a while: {error.message.rstrip('.')}")
+            self._over = self._failures == 2  # in a row
+            note = f"Without a Cycles picture for a while: {error.message.rstrip('.')}."
+            self.notes += [note] if note not in self.notes else []
             return None
+        path.unlink(missing_ok=True)
         self._failures = 0
         self.seconds.append(answer.seconds)
         if answer.seconds > LONGEST:
             self._over = True
-            self._note(f"A small Cycles picture takes {answer.seconds:.0f} s here, too long for more of them")
+            self.notes.append(f"A small Cycles picture takes {answer.seconds:.0f} s here, too long for more of them.")
         return picture
-
-    def _load(self, answer: messages.Anchored, size: tuple[int, int]) -> CyclesPicture:
-        """The image of an answer; raises VibeError if the answer has an error or an image of another size."""
-        if answer.error:
-            raise VibeError(answer.error, "")
-        path = Path(self._scene.folder) / answer.picture
-        picture = CyclesPicture.load(path, answer.groups)
-        if picture.size != size:
-            raise VibeError(f"it has {picture.size} pixels instead of {size}", "")
-        path.unlink(missing_ok=True)
-        return picture
-
-    def _note(self, text: str) -> None:
-        if f"{text}." not in self.notes:
-            self.notes.append(f"{text}.")
 
 
 PictureSource = Callable[[dict[str, list[float]], tuple[int, int]], CyclesPicture | None]
@@ -99,8 +88,7 @@ class AnchorState:
     """A proxy's correction by a Cycles image, the anchor."""
 
     correction: Correction | None = None  # None for the uncorrected proxy
-    # (N,) the point of the anchor, where the correction is exact; None without an anchor that is still valid
-    u: Tensor | None = None
+    u: Tensor | None = None  # (N,) the point where the correction is exact; None without an anchor that is still valid
     earlier: Correction | None = None  # the correction before, which tells how good the last prediction was
     picture: CyclesPicture | None = None  # the anchor
 
@@ -140,15 +128,12 @@ class ShotState:
     proxy: Proxy  # one for all states of a shot; to draw, use `corrected`
     source: PictureSource | None = None  # of Cycles images
     anchor: AnchorState = field(default_factory=AnchorState)  # the proxy's correction
-    # one per anchor, shared by all states: the number of the round, and the mean CIEDE2000 between the proxy's
-    # images before and after the correction by the anchor
-    records: list[dict[str, Any]] = field(default_factory=list)
+    records: list[dict[str, Any]] = field(default_factory=list)  # one per anchor, shared by all states, see `anchored`
     guidance: Guidance | None = None  # judges images by the round's advice; calibrated on the artist's image
     before: MeasuredPicture | None = None  # the proxy's image of the artist's values; None before the loop
     claims: ClaimSet | None = None  # about the shot's images; None before the loop
-    # the camera's view in which the claims are measured, and the point (N,) that it belongs to
-    seen: GBuffer | None = None
-    _seen_at: Tensor | None = None
+    seen: GBuffer | None = None  # the camera's view in which the claims are measured
+    _seen_at: Tensor | None = None  # (N,) the point that it belongs to
     _last: tuple[Tensor, Render] | None = None  # cache: the point of the last image, and the image
 
     @property
@@ -199,15 +184,6 @@ class ShotState:
         self.records.append({"round": number + 1, "delta_e": round(difference, 3)})
         return shot
 
-    def reminded(self, known: KnownPicture) -> ShotState:
-        """The shot with its proxy corrected by the Cycles image of an earlier vibe, if that image shows the scene as it is now."""
-        values = known.values_in(self.scene) if known.picture.size == self.proxy.size else None
-        if values is None:
-            return self
-        u = self.vector.encode(values)
-        correction = self.proxy.anchor(chosen_values(self.vector, u, self.proxy.device), known.picture)
-        return self._with(AnchorState(correction, u, picture=known.picture))
-
     def known_picture(self) -> KnownPicture | None:
         """The Cycles image that corrects the proxy, for a vibe that follows; None if there is none."""
         if self.anchor.picture is None or self.anchor.u is None:
@@ -256,13 +232,9 @@ class ShotState:
 
     def planned(self, plan: Plan) -> ShotState:
         """The shot with the vector's values for parameters that the plan lets move, also where its own scene has other values."""
-        named = {
-            own
-            for own, key in self.names.items()
-            if plan[key].prior < 1.0
-            and not self.vector.instances[own].locked
-            and not alike(self.scene.instances[own].value, self.vector.instances[own].value)
-        }
+        theirs, shared = self.scene.instances, self.vector.instances
+        free = (own for own, key in self.names.items() if plan[key].prior < 1.0 and not shared[own].locked)
+        named = {own for own in free if not alike(theirs[own].value, shared[own].value)}
         if named <= self.vector.taken:
             return self
         # The last anchor shows other values than u now stands for, so a new one is needed.
@@ -294,14 +266,18 @@ def gathered(
     """The vector that the shots of a vibe share, and the shots; raises VibeError if a group or a lock names nothing."""
     instances, names = shared_parameters(views, ("camera", "film") if options.grade_each else ("camera",))
     vector = ParameterVector(lock(instances, options.groups, options.lock, options.camera))
-    vector = vector.taking(added_values(views[0].scene))
-    vector.links = tuple(views[0].scene.links)
+    vector = vector.taking(added_values(views[0].scene), views[0].scene.links)
     shots = []
     for view, mine in zip(views, names, strict=True):
-        own = vector.view(mine).taking(added_values(view.scene))
-        own.links = tuple(view.scene.links)
+        own = vector.view(mine).taking(added_values(view.scene), view.scene.links)
         shot = ShotState(view.scene, mine, own, proxy(view.scene), view.source)
-        shots.append(shot.reminded(view.known) if view.known else shot)
+        # The Cycles image of an earlier vibe corrects the proxy, if it shows the scene as it is now.
+        known = view.known if view.known and view.known.picture.size == shot.proxy.size else None
+        if known and (values := known.values_in(view.scene)) is not None:
+            u = own.encode(values)
+            correction = shot.proxy.anchor(chosen_values(own, u, shot.proxy.device), known.picture)
+            shot.anchor = AnchorState(correction, u, picture=known.picture)
+        shots.append(shot)
     return vector, shots
 
 
@@ -315,9 +291,8 @@ def shared_parameters(
     """
     shared: dict[str, Instance] = {}
     files: dict[str, str] = {}
-    names = []
-    for number, view in enumerate(views, start=1):
-        mine = {}
+    names: list[dict[str, str]] = [{} for _ in views]
+    for number, (view, mine) in enumerate(zip(views, names, strict=True), start=1):
         for key, instance in view.scene.instances.items():
             if number > 1 and instance.parameter.group in own:
                 instance = replace(instance, owner=f"shot {number}")
@@ -325,9 +300,7 @@ def shared_parameters(
             first = shared.setdefault(instance.key, instance)
             moves = files.setdefault(instance.key, view.file) == view.file and not alike(first.value, instance.value)
             reason = first.locked or instance.locked or (MOVES if moves else "")
-            if reason != first.locked:
-                shared[instance.key] = replace(first, locked=reason)
-        names.append(mine)
+            shared[instance.key] = replace(first, locked=reason)
     return shared, names
 
 
@@ -368,8 +341,7 @@ def lock(
 
 def picture_size(resolution: tuple[int, int], longest: int) -> tuple[int, int]:
     """(width, height) in pixels of the artist's image, scaled so that the longer side has `longest` pixels."""
-    factor = longest / max(resolution)
-    width, height = (max(round(n * factor), 1) for n in resolution)
+    width, height = (max(round(n * (longest / max(resolution))), 1) for n in resolution)
     return width, height
 
 

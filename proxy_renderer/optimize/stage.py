@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The stage of a vibe: the words, read once against the scene, and the scene with the lights that the words ask for."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from ..claims.claim import Claim
@@ -18,7 +18,7 @@ from ..rigs.chosen import chosen_rig
 from ..rigs.combined import added_to_scene
 from ..rigs.lighting import OFF, Lighting, lighting
 from ..scene import SceneData
-from ..schema import Instance, VibeError, matches, sentences
+from ..schema import VibeError, matches, sentences
 from ..schema.added_lights import ADDED_LIGHTS, light_name
 from ..schema.light_links import LINKED, LightLink
 from ..schema.messages import Options
@@ -26,11 +26,10 @@ from ..words.lexicon.rigs import rig_table
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.parser import Understood
 from ..words.types import Attribute, SaidLink
-from .scene_words import described
+from .scene_facts import described
 
 _SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim", "kicker", "bounce")}
 """Lights that single words may need, as "rim light", if they ask for no rig; the last two if the scene already has such a light."""
-_ADDED = ("rim light", "fill light")  # targets of words about a light that a further sentence adds
 
 
 @dataclass(frozen=True)
@@ -68,13 +67,9 @@ def set_stage(
 ) -> StagedScenes:
     """The shots with the rig that the words ask for; without a rig, with standby lights and a backdrop that single words need.
 
-    If nothing in the prompt is understood offline, nothing is added. The first of several shots decides on lights for all; a backdrop
-    is added to all or to none. Raises VibeError if a target, as "copper=Cup", names nothing in the scene.
-
-    Args:
-        new_lights: Whether lights may be added.
-        written: Goals that replace those of the prompt.
-        goes_on: Whether the prompt is a further sentence, whose goals are relative to the present image.
+    The first of several shots decides on lights for all, if there may be `new_lights`; a backdrop is added to all or to none. `written`
+    goals replace those of the prompt. The goals of a prompt that `goes_on`, a further sentence, are relative to the present image.
+    Raises VibeError if a target, as "copper=Cup", names nothing in the scene.
     """
     sentence = prompt
     prompt, factor, compared = sentences.plain(prompt) if goes_on else (prompt, 0.0, "")
@@ -85,37 +80,38 @@ def set_stage(
     understood = Understood(prompt, described(*scenes), target)
     if anew and (added := _about_added(understood)):
         understood = Understood(prompt, described(*scenes), [*target, *added])
-    scenes = [scene.with_copies(understood.scene.copies) for scene in scenes]
+    staged = [scene.with_copies(understood.scene.copies) for scene in scenes]
     goals = written.within(understood.scene) if written else goals_or_why(understood)
     if isinstance(goals, VibeError):
-        return StagedScenes(list(scenes), understood, goals)
+        return StagedScenes(staged, understood, goals)
     vocabulary = default_vocabulary()
     if goes_on:
         goals = further(goals, vocabulary, understood.scene, factor, compared)
         if not (goals.wishes or goals.lost or goals.parsed.links):
             problem = " ".join([f"Nothing in '{prompt}' can be changed.", *goals.parsed.notes])
             why = VibeError(problem, 'Say what is to change, and how: "less fog", "the lamp dimmer".')
-            return StagedScenes(list(scenes), understood, why)
+            return StagedScenes(staged, understood, why)
     chosen = chosen_rig(goals, rig_table(), vocabulary, anew)
     if chosen and goes_on and _names_only_a_source(chosen.served):
         chosen = replace(chosen, rig=added_to_scene(chosen.rig))
     if chosen:
-        rig = lighting(scenes, goals.parsed, chosen, new_lights)
+        rig = lighting(staged, goals.parsed, chosen, new_lights)
         return StagedScenes(rig.scenes, understood, goals, rig)
 
     # No rig: lights and a backdrop that single words need
-    first = scenes[0]
-    spare = [ADDED_LIGHTS[light.name] for light in first.standby.lights if light.name in _SPARE]
-    roles = {light.name: light.role for light in spare}
-    instances = dict(first.instances)
+    roles = {x.name: ADDED_LIGHTS[x.name].role for x in staged[0].standby.lights if x.name in _SPARE}
+    instances = dict(staged[0].instances)
     names = missing_lights(goals, instances, understood.scene, roles, vocabulary) if new_lights else []
     parts = asks_for_backdrop(goals, instances, understood.scene, vocabulary)
-    if parts and all(scene.may_have_backdrop for scene in scenes):
-        scenes = [scene.with_backdrop() for scene in scenes]
-    scenes = [scene.with_lights(names) if names else scene for scene in scenes]
-    if goes_on:  # the added lights are off in the image that the sentence goes on from
-        scenes = [replace(scene, instances=_unlit(scene.instances, names)) for scene in scenes]
-    return StagedScenes(list(scenes), understood, goals)
+    if parts and all(scene.may_have_backdrop for scene in staged):
+        staged = [scene.with_backdrop() for scene in staged]
+    staged = [scene.with_lights(names) if names else scene for scene in staged]
+    for n, scene in enumerate(staged if goes_on else ()):
+        # The added lights are off in the image that the sentence goes on from.
+        power = {k: i for k, i in scene.instances.items() if i.owner in names and i.parameter.family == "light/power"}
+        off = {key: replace(i, value=(OFF * i.reference,)) for key, i in power.items()}
+        staged[n] = replace(scene, instances={**scene.instances, **off})
+    return StagedScenes(staged, understood, goals)
 
 
 def _names_only_a_source(served: Iterable[Attribute]) -> bool:
@@ -127,22 +123,12 @@ def _names_only_a_source(served: Iterable[Attribute]) -> bool:
 
 def _about_added(understood: Understood) -> list[str]:
     """Targets for colors of light without a target of their own: in "another rim light, warm" the added light is warm."""
-    added = [word.target for word in understood.words if word.target in _ADDED]
+    added = [word.target for word in understood.words if word.target in ("rim light", "fill light")]
     if len(added) != 1:
         return []
-    vocabulary = default_vocabulary()
-    tones = {
-        a.word
-        for a in understood.parsed.attributes
-        if a.kind == "tone" and not (a.cause or compares(a, (), vocabulary))
-    }
-    return [f"{w.key}={added[0]}" for w in understood.words if w.text in tones and not w.thing]
-
-
-def _unlit(instances: Mapping[str, Instance], names: Collection[str]) -> dict[str, Instance]:
-    """Parameters in which the power of the named lights is nearly zero."""
-    power = {k: i for k, i in instances.items() if i.owner in names and i.parameter.family == "light/power"}
-    return {**instances, **{key: replace(i, value=(OFF * i.reference,)) for key, i in power.items()}}
+    tones = [a for a in understood.parsed.attributes if a.kind == "tone" and not a.cause]
+    said = {tone.word for tone in tones if not compares(tone, (), default_vocabulary())}
+    return [f"{w.key}={added[0]}" for w in understood.words if w.text in said and not w.thing]
 
 
 def linked(stage: StagedScenes, options: Options) -> StagedScenes:
@@ -150,17 +136,17 @@ def linked(stage: StagedScenes, options: Options) -> StagedScenes:
     if isinstance(stage.goals, VibeError):
         return stage
     notes, scenes = stage.goals.parsed.notes, list(stage.scenes)
+    held = bool(options.groups) and LINKED.group not in options.groups
     for said in stage.goals.parsed.links:
         names = {name for scene in scenes for name in _lights(said, scene, stage)}
-        free = {name for name in names if not _is_locked(name, options)}
+        free = {name for name in names if not (held or matches(f"light/{name}/{LINKED.name}", options.lock))}
         if not free:
             why = "it is locked" if names else f"there is no {said.role} light"
             notes.append(f"'{said.text}' is not used: {why}.")
         for number, scene in enumerate(scenes):
             objects = tuple(o.name for o in scene.objects if o.name in said.objects)
             for light in (x.name for x in scene.lights if x.name in free and objects):
-                link = LightLink(light, said.only, objects)
-                scenes[number] = scenes[number].with_link(link, f"'{said.text}'")
+                scenes[number] = scenes[number].with_link(LightLink(light, said.only, objects), f"'{said.text}'")
     return replace(stage, scenes=scenes)
 
 
@@ -171,8 +157,3 @@ def _lights(said: SaidLink, scene: SceneData, stage: StagedScenes) -> list[str]:
     own = [x.name for x in scene.lights if not x.added and x.name in said.lights]
     parts = [name for name, part in playing.items() if part == said.role]
     return [*own, *added] or parts or [x.name for x in scene.lights if x.role == said.role]
-
-
-def _is_locked(light: str, options: Options) -> bool:
-    held = bool(options.groups) and LINKED.group not in options.groups
-    return held or matches(f"light/{light}/{LINKED.name}", options.lock)

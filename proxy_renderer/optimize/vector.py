@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 
 import torch
 from torch import Tensor
 
+from ..color.tensors import luminance
 from ..planning.types import Plan
 from ..schema import Instance, Values
 
@@ -33,11 +35,11 @@ class ParameterVector:
         for key, instance in self.instances.items():
             self.slices[key] = slice(self.size, self.size + instance.parameter.components)
             self.size += instance.parameter.components
-        each = [i for i in self.instances.values() for _ in range(i.parameter.components)]
-        self._lower = _stack(i.lower for i in self.instances.values())
-        self._upper = _stack(i.upper for i in self.instances.values())
-        self._log = torch.tensor([i.parameter.scale.name == "log" for i in each])
-        self._exponent = torch.tensor([i.parameter.scale.exponent for i in each], dtype=torch.float64)
+        each = [(i, n) for i in self.instances.values() for n in range(i.parameter.components)]
+        self._lower = torch.tensor([i.lower[n] for i, n in each], dtype=torch.float64)
+        self._upper = torch.tensor([i.upper[n] for i, n in each], dtype=torch.float64)
+        self._log = torch.tensor([i.parameter.scale.name == "log" for i, _ in each])
+        self._exponent = torch.tensor([i.parameter.scale.exponent for i, _ in each], dtype=torch.float64)
         # keys whose values are written even if they did not move: those of added lights and, in a further shot,
         # values that the plan lets move and in which its scene differs from the first shot
         self.taken: frozenset[str] = frozenset()
@@ -53,10 +55,11 @@ class ParameterVector:
         shown.taken = frozenset()
         return shown
 
-    def taking(self, keys: Iterable[str]) -> ParameterVector:
-        """The same vector with these keys added to `taken`."""
+    def taking(self, keys: Iterable[str], links: Iterable[str] | None = None) -> ParameterVector:
+        """The same vector with these keys added to `taken`, and with other light links if they are given."""
         other = copy(self)
         other.taken = self.taken.union(keys)
+        other.links = self.links if links is None else tuple(links)
         return other
 
     def encode(self, values: Mapping[str, Sequence[float]]) -> Tensor:
@@ -101,11 +104,9 @@ class ParameterVector:
         moved, raw = (u.detach() - self._home).abs() > 1e-9, self.plain(u)
         out: dict[str, Values] = {}
         for key, part in self.slices.items():
-            instance = self.instances[key]
-            limits = raw[key], instance.lower, instance.upper
-            new = [min(max(float(f"{v:.6g}"), low), high) for v, low, high in zip(*limits, strict=True)]
-            components = zip(new, instance.value, moved[part].tolist(), strict=True)
-            out[key] = tuple(v if m else old for v, old, m in components)
+            i = self.instances[key]
+            rows = zip(raw[key], i.lower, i.upper, i.value, moved[part].tolist(), strict=True)
+            out[key] = tuple(min(max(float(f"{v:.6g}"), low), high) if m else own for v, low, high, own, m in rows)
         return out
 
     def changes(self, u: Tensor) -> dict[str, Values]:
@@ -119,8 +120,7 @@ class ParameterVector:
         rows = {}
         for key, part in self.slices.items():
             i = self.instances[key]
-            bounds = zip(u[part].tolist(), i.lower, i.upper, strict=True)
-            rows[key] = tuple(i.parameter.scale.from_unit(x, low, high) for x, low, high in bounds)
+            rows[key] = tuple(map(i.parameter.scale.from_unit, u[part].tolist(), i.lower, i.upper))
         return rows
 
     def mark(self, keys: Iterable[str]) -> Tensor:
@@ -131,17 +131,11 @@ class ParameterVector:
         return marked
 
     def bounds(self, ranges: Mapping[str, tuple[Values, Values]]) -> tuple[Tensor, Tensor]:
-        """The lower and upper corner (N,) of the feasible box in u: the plan's ranges within the hard bounds and the locks.
-
-        A key without a range may take any value within its hard bounds; a locked key stays at the artist's value. A range outside of
-        the hard bounds becomes the nearest bound.
-        """
-        lower, upper = {}, {}
-        for key, instance in self.instances.items():
-            low, high = ranges.get(key, (instance.lower, instance.upper))
-            lower[key], upper[key] = (instance.value, instance.value) if instance.locked else (low, high)
-        u_lower, u_upper = self.encode(lower), self.encode(upper)
-        return torch.minimum(u_lower, u_upper), torch.maximum(u_lower, u_upper)
+        """The lower and upper corner (N,) of the feasible box: the ranges by key, else the hard bounds; locks hold the artist's values."""
+        free = {key: instance for key, instance in self.instances.items() if not instance.locked}
+        own = {key: ranges.get(key, (instance.lower, instance.upper)) for key, instance in free.items()}
+        lower, upper = (self.encode({key: ends[side] for key, ends in own.items()}) for side in (0, 1))
+        return torch.minimum(lower, upper), torch.maximum(lower, upper)
 
 
 def project(u: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
@@ -164,8 +158,8 @@ def around(u: Tensor, lower: Tensor, upper: Tensor, share: float) -> tuple[Tenso
 def opened(lower: Tensor, upper: Tensor, share: Tensor, own: Tensor) -> tuple[Tensor, Tensor]:
     """The corners, each (N,), of a box whose ranges open by a share (N,) of their width at both ends, within the hard bounds.
 
-    An infinite share opens a range fully. A range narrower than `_NARROW` opens as if it had that width. A range does not open beyond
-    the artist's point `own` (N,) outside of it: "more contrast" never becomes less than the artist's.
+    A range narrower than `_NARROW` opens as if it had that width. A range does not open beyond the artist's point `own` (N,) outside
+    of it: "more contrast" never becomes less than the artist's.
     """
     margin = torch.where(share > 0.0, share * (upper - lower).clamp_min(_NARROW), 0.0)
     low = torch.where(own < lower, torch.maximum(lower - margin, own), lower - margin)
@@ -197,5 +191,32 @@ def nearest_turn(instance: Instance, lower: Values, upper: Values, value: Values
     return (lower[0] + shift,), (upper[0] + shift,)
 
 
-def _stack(rows: Iterable[Values]) -> Tensor:
-    return torch.tensor([v for row in rows for v in row], dtype=torch.float64)
+DENSITY, EXPOSURE = "volume/density", "film/exposure"
+_BRIGHTEST, _AROUND = 5.0, 1.0  # stops: the largest correction, and how far the search may go from it, up or down
+
+
+def exposed_through_air(plan: Plan, vector: ParameterVector, linear: Callable[[Tensor], Tensor]) -> Plan:
+    """The plan, with a start for the exposure at which the image through its fog is as light as without fog.
+
+    Cycles' fog takes most of a sun's light. The plan stays the same if words do not name the fog, if they name the exposure, or if the exposure may not change. `linear`
+    renders the scene-linear image (H, W, 3) of a point u (N,).
+    """
+    air, film = plan.get(DENSITY), plan.get(EXPOSURE)
+    if not (air and film) or not air.is_named or film.priority is None or film.is_named:
+        return plan
+    home = vector.encode({})
+    bounds = vector.bounds(feasible_ranges(plan, vector.instances, vector.values(home)))
+    filled = project(start_point(vector, plan, home), *bounds)
+    clear = torch.where(vector.mark([DENSITY]), home, filled)
+    with torch.no_grad():
+        # The mean cube root of luminance is a lightness in which a few bright pixels count little.
+        roots = (luminance(linear(point)).clamp_min(1e-5).pow(1 / 3) for point in (clear, filled))
+        light, left = (float(root.mean()) for root in roots)
+    stops = 3.0 * math.log2(light / left)
+    if stops < 0.25:
+        return plan
+    start = vector.instances[EXPOSURE].value[0] + min(stops, _BRIGHTEST)
+    lower, upper = min(film.lower[0], start - _AROUND), max(film.upper[0], start + _AROUND)
+    why = "supports the words: fog takes light"
+    exposed = replace(film, lower=(lower,), upper=(upper,), start=(start,), reason=why)
+    return Plan({**plan, EXPOSURE: exposed}, plan.notes)

@@ -153,7 +153,7 @@ def plan(
         support = {k: e for k, e in support.items() if k == "film/exposure" or e.prior == 0.0}
     if light.served:  # the rig sets the exposure; a limited grade keeps the contrast and colors of its light
         fog = entries.get(_FOG)
-        if not (fog and fog.is_named):  # fog takes light, see `optimize.air_exposure`
+        if not (fog and fog.is_named):  # fog takes light, see `optimize.vector`
             support.pop("film/exposure", None)
         graded = {key: ends for key, ends in _GRADES.items() if key in entries and entries[key].is_named}
         entries |= {key: _mild(entries[key], *ends) for key, ends in graded.items()}

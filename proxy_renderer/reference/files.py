@@ -3,9 +3,8 @@
 
 import io
 import re
-import struct
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,19 +31,12 @@ def small_size(width: int, height: int, longest: int = LONGEST) -> tuple[int, in
 
 
 def shrunk_linear(color: np.ndarray, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A linear image (H, W, 3) and its alpha (H, W) in [0, 1], reduced to `small_size` by means of areas.
-
-    Colors are weighted by alpha.
-    """
+    """A linear image (H, W, 3), weighted by its alpha (H, W) in [0, 1], and alpha, reduced to `small_size` by means of areas."""
     size = small_size(color.shape[1], color.shape[0])
-    weight = _mean(alpha, size)
-    sums = np.stack([_mean(color[..., c] * alpha, size) for c in range(3)], -1)
-    return sums / np.maximum(weight, 1e-6)[..., None], weight
-
-
-def _mean(channel: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    picture = Image.fromarray(np.ascontiguousarray(channel, np.float32))
-    return np.asarray(picture.resize(size, Image.Resampling.BOX))
+    channels = [alpha, *(color[..., c] * alpha for c in range(3))]
+    planes = [Image.fromarray(np.ascontiguousarray(channel, np.float32)) for channel in channels]
+    weight, *sums = (np.asarray(plane.resize(size, Image.Resampling.BOX)) for plane in planes)
+    return np.stack(sums, -1) / np.maximum(weight, 1e-6)[..., None], weight
 
 
 def to_srgb(picture: Image.Image, icc: bytes) -> Pixels:
@@ -54,27 +46,19 @@ def to_srgb(picture: Image.Image, icc: bytes) -> Pixels:
         straight = picture.convert(picture.mode.upper())
         alpha = np.asarray(straight.getchannel("A"), np.float32) / 255
         picture = straight.convert(straight.mode[:-1])
-    return np.asarray(_converted(picture, icc), np.float32) / 255, alpha, False
-
-
-def _converted(picture: Image.Image, icc: bytes) -> Image.Image:
-    """An image in sRGB. Without a usable profile, RGB counts as sRGB, and Pillow converts other modes such as CMYK."""
+    # Without a usable profile, RGB counts as sRGB, and Pillow converts other modes such as CMYK.
+    shown = picture.convert("RGB")
     if icc:
         with suppress(ImageCms.PyCMSError, OSError, ValueError):
             source, target = ImageCms.ImageCmsProfile(io.BytesIO(icc)), ImageCms.createProfile("sRGB")
             intent, flags = ImageCms.Intent.RELATIVE_COLORIMETRIC, ImageCms.Flags.BLACKPOINTCOMPENSATION
             made = ImageCms.profileToProfile(picture, source, target, intent, outputMode="RGB", flags=flags)
-            assert made is not None
-            return made
-    return picture.convert("RGB")
+            shown = made or shown
+    return np.asarray(shown, np.float32) / 255, alpha, False
 
 
-FORMATS = ("JPEG", "PNG", "WEBP", "TIFF", "BMP", "GIF", "AVIF", "JPEG2000", "PPM", "TGA", "QOI")
-"""Pillow's formats that hold a flat image."""
-
+_FORMATS = ("JPEG", "PNG", "WEBP", "TIFF", "BMP", "GIF", "AVIF", "JPEG2000", "PPM", "TGA", "QOI")  # flat images
 _RAW = re.compile(r"\.(3fr|arw|cr[23w]|dng|erf|iiq|kdc|nef|nrw|orf|pef|raf|raw|rw2|srw|x3f)")
-_FAULTS = (OSError, SyntaxError, ValueError, TypeError, KeyError, IndexError, EOFError, OverflowError)
-"""Errors that Pillow raises for broken files."""
 
 
 def read_encoded(path: Path) -> Pixels:
@@ -85,7 +69,7 @@ def read_encoded(path: Path) -> Pixels:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a hundred megapixels are welcome, odd metadata is no matter
         try:
-            with Image.open(path, formats=FORMATS) as picture:
+            with Image.open(path, formats=_FORMATS) as picture:
                 return _pixels(picture)
         except UnidentifiedImageError as error:
             remedy = "Save it as PNG, JPEG, TIFF or EXR."
@@ -93,7 +77,7 @@ def read_encoded(path: Path) -> Pixels:
         except Image.DecompressionBombError as error:
             problem = f"{path.name} has more than {2 * (Image.MAX_IMAGE_PIXELS or 0) // 10**6} megapixels."
             raise VibeError(problem, f"Scale it down; {LONGEST} pixels are enough.") from error
-        except (*_FAULTS, struct.error, MemoryError) as error:
+        except Exception as error:  # Pillow raises errors of a dozen classes for broken files
             remedy = "Save or download it again."
             raise VibeError(f"{path.name} is damaged or ends too early ({error}).", remedy) from error
 
@@ -107,21 +91,17 @@ def _pixels(picture: Image.Image) -> Pixels:
         good = np.isfinite(gray)
         color = np.repeat(np.where(good, gray, 0.0).clip(0.0)[..., None], 3, -1)
         return *shrunk_linear(color, good.astype(np.float32)), True
-    return to_srgb(_small(upright), icc)
-
-
-def _small(picture: Image.Image) -> Image.Image:
-    """The picture in a mode whose pixels can be averaged, at `small_size`."""
-    if picture.mode.startswith("I"):  # of up to 16 bits
-        values = np.asarray(picture).astype(np.float32) / 257.0
-        picture = Image.fromarray(values.round().clip(0.0, 255.0).astype(np.uint8))
-    elif picture.mode in ("P", "PA"):
-        picture = picture.convert("RGBA")
-    elif picture.mode == "1":
-        picture = picture.convert("L")
-    elif picture.mode in ("L", "RGB") and "transparency" in picture.info:
-        picture = picture.convert("LA" if picture.mode == "L" else "RGBA")
-    return picture.resize(small_size(*picture.size), Image.Resampling.BOX)
+    # Modes whose pixels can be averaged
+    if upright.mode.startswith("I"):  # of up to 16 bits
+        values = np.asarray(upright).astype(np.float32) / 257.0
+        upright = Image.fromarray(values.round().clip(0.0, 255.0).astype(np.uint8))
+    elif upright.mode in ("P", "PA"):
+        upright = upright.convert("RGBA")
+    elif upright.mode == "1":
+        upright = upright.convert("L")
+    elif upright.mode in ("L", "RGB") and "transparency" in upright.info:
+        upright = upright.convert("LA" if upright.mode == "L" else "RGBA")
+    return to_srgb(upright.resize(small_size(*upright.size), Image.Resampling.BOX), icc)
 
 
 _REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
@@ -130,7 +110,7 @@ _BRADFORD = np.array(((0.8951, 0.2664, -0.1614), (-0.7502, 1.7135, 0.0367), (0.0
 
 
 def read_exr(path: Path) -> Pixels:
-    """Reads the main layer of an EXR, see `_best`. Raises VibeError if the file is damaged or has no colors."""
+    """Reads the main layer of an EXR, see `_layer`. Raises VibeError if the file is damaged or has no colors."""
     pixels, header = _layer(path)
     if pixels.ndim == 2:
         pixels = np.repeat(pixels[..., None], 3, -1)
@@ -149,20 +129,22 @@ def read_exr(path: Path) -> Pixels:
 def rec709_from(chromaticities: Sequence[float]) -> np.ndarray:
     """Matrix (3, 3) to linear Rec.709 from CIE x and y of red, green, blue and white; the white is adapted to D65."""
 
-    def white(xy: Sequence[float]) -> np.ndarray:
-        return np.array((xy[0] / xy[1], 1.0, (1 - xy[0] - xy[1]) / xy[1]))
+    def xyz(x: float, y: float) -> np.ndarray:
+        return np.array((x / y, 1.0, (1 - x - y) / y))
 
-    def xyz(numbers: Sequence[float]) -> np.ndarray:
-        columns = np.stack([white(numbers[i : i + 2]) for i in (0, 2, 4)], 1)
-        return columns * np.linalg.solve(columns, white(numbers[6:8]))
-
-    ratio = (_BRADFORD @ white(_REC709[6:8])) / (_BRADFORD @ white(chromaticities[6:8]))
+    *primaries, white = (xyz(*chromaticities[i : i + 2]) for i in (0, 2, 4, 6))
+    columns = np.stack(primaries, 1)
+    to_xyz = columns * np.linalg.solve(columns, white)
+    ratio = (_BRADFORD @ xyz(*_REC709[6:8])) / (_BRADFORD @ white)
     adapted = np.linalg.solve(_BRADFORD, ratio[:, None] * _BRADFORD)
-    return np.array(c.REC709_FROM_XYZ) @ adapted @ xyz(chromaticities)
+    return np.array(c.REC709_FROM_XYZ) @ adapted @ to_xyz
 
 
 def _layer(path: Path) -> tuple[np.ndarray, Mapping[str, Any]]:
-    """The pixels (H, W) or (H, W, 3 or 4) of the main layer, and the header of its part."""
+    """The pixels (H, W) or (H, W, 3 or 4) of the main layer, and the header of its part.
+
+    The main layer is plain RGB, Blender's Combined, plain gray, or the only one with colors.
+    """
     import OpenEXR
 
     try:
@@ -173,32 +155,22 @@ def _layer(path: Path) -> tuple[np.ndarray, Mapping[str, Any]]:
                 for name, channel in part.channels.items()
             }
     except (OSError, RuntimeError, ValueError, TypeError, MemoryError) as error:
-        remedy = "Save it again."
-        raise VibeError(f"{path.name} is no EXR that can be read, or is damaged.", remedy) from error
-    name = _best(layers)
-    if name is None:
-        remedy = "Save the render itself, the layer Combined."
-        raise VibeError(f"{path.name} holds no layer with colors.", remedy)
-    return layers[name]
-
-
-def _best(layers: Mapping[str, tuple[np.ndarray, Mapping[str, Any]]]) -> str | None:
-    """Name of the main layer: plain RGB, Blender's Combined, plain gray, or the only one with colors."""
+        raise VibeError(f"{path.name} is no EXR that can be read, or is damaged.", "Save it again.") from error
     colors = [name for name, (pixels, _) in layers.items() if pixels.ndim == 3 and pixels.shape[2] >= 3]
     ranked = [name for name in colors if name in ("RGBA", "RGB")]
     ranked += [name for name in colors if name.rpartition(".")[2] == "Combined"]
     ranked += [name for name in colors if name.rpartition(".")[2] in ("RGBA", "RGB", "rgba", "rgb", "beauty")]
     ranked += [name for name, (pixels, _) in layers.items() if name == "Y" and pixels.ndim == 2]
-    return next(iter(ranked), colors[0] if len(colors) == 1 else None)
-
-
-_SIZE = re.compile(rb"\n-Y (\d+) \+X (\d+)\n")
+    ranked += colors if len(colors) == 1 else []
+    if not ranked:
+        raise VibeError(f"{path.name} holds no layer with colors.", "Save the render itself, the layer Combined.")
+    return layers[ranked[0]]
 
 
 def read_radiance(path: Path) -> Pixels:
     """Reads an RGBE image, run-length encoded or not. Raises VibeError if it is damaged, XYZE, or flipped or rotated."""
     data = path.read_bytes()
-    size = _SIZE.search(data)
+    size = re.search(rb"\n-Y (\d+) \+X (\d+)\n", data)
     if size is None or b"32-bit_rle_xyze" in data[: size.start()]:
         raise VibeError(f"{path.name} is an odd Radiance picture.", "Save it as EXR.")
     height, width = int(size[1]), int(size[2])
@@ -220,31 +192,19 @@ def _scanlines(data: bytes, width: int, height: int) -> np.ndarray:
     for line in lines:
         if data[at : at + 4] != start:
             raise ValueError("a scanline has another length")
-        at = _decode(data, at + 4, line)
+        at += 4
+        for channel in line:  # each is a sequence of runs of one byte, and of bytes as they are
+            runs = bytearray()
+            while len(runs) < width:
+                count = data[at]
+                if count > 128:
+                    runs += data[at + 1 : at + 2] * (count - 128)
+                    at += 2
+                else:
+                    runs += data[at + 1 : at + 1 + count]
+                    at += 1 + count
+            channel[:] = np.frombuffer(runs, np.uint8)  # raises ValueError for a run that is too long
     return lines.transpose(0, 2, 1)
-
-
-def _decode(data: bytes, at: int, line: np.ndarray) -> int:
-    """Fills the four channels of one scanline (4, W) from their runs; returns where the next one begins."""
-    for channel in line:
-        runs = bytearray()
-        while len(runs) < len(channel):
-            count = data[at]
-            if count > 128:
-                runs += data[at + 1 : at + 2] * (count - 128)
-                at += 2
-            else:
-                runs += data[at + 1 : at + 1 + count]
-                at += 1 + count
-        channel[:] = np.frombuffer(runs, np.uint8)  # raises ValueError for a run that is too long
-    return at
-
-
-# greatest difference of a panorama's first and last column, in multiples of that of neighboring columns
-_SEAM = 2.5
-# greatest standard deviation in the first and the last row of a panorama, each of which is one point
-_POLE = 0.06
-_LEAST_PANORAMA = 64
 
 
 @dataclass(frozen=True)
@@ -262,34 +222,29 @@ class ReferencePicture:
 def read_reference(path: Path | str) -> ReferencePicture:
     """Reads an image, reduced to at most 1024 pixels. Raises VibeError if there is no such file, or it cannot be read."""
     found = check.file(str(path), "picture")
-    color, alpha, is_linear = _reader(found)(found)
+    with found.open("rb") as file:
+        head = file.read(10)  # names can be wrong
+    if head.startswith(b"\x76\x2f\x31\x01"):
+        color, alpha, is_linear = read_exr(found)
+    elif head.startswith((b"#?RADIANCE", b"#?RGBE")):
+        color, alpha, is_linear = read_radiance(found)
+    else:
+        color, alpha, is_linear = read_encoded(found)
     if alpha.max() < 1 / 255:
-        remedy = "Use another picture."
-        raise VibeError(f"Nothing is to be seen in {found.name}: all of it is transparent.", remedy)
-    display = srgb_from_linear(color).clip(0.0, 1.0) if is_linear else color
-    display = display.astype(np.float32)
+        raise VibeError(f"Nothing is to be seen in {found.name}: all of it is transparent.", "Use another picture.")
+    display = (srgb_from_linear(color).clip(0.0, 1.0) if is_linear else color).astype(np.float32)
     opaque = alpha.min() >= 1.0 - 0.5 / 255
     counts = None if opaque else alpha.astype(np.float32).clip(0.0, 1.0)
     return ReferencePicture(display, color if is_linear else None, counts, _wraps(display))
 
 
-def _reader(path: Path) -> Callable[[Path], Pixels]:
-    """The function that reads a file, chosen by its first bytes, because names can be wrong."""
-    with path.open("rb") as file:
-        head = file.read(10)
-    if head.startswith(b"\x76\x2f\x31\x01"):
-        return read_exr
-    if head.startswith((b"#?RADIANCE", b"#?RGBE")):
-        return read_radiance
-    return read_encoded
-
-
 def _wraps(display: np.ndarray) -> bool:
     """True for a panorama: twice as wide as high, with sides that fit together, and even at the top and the bottom."""
     height, width = display.shape[:2]
-    if height < _LEAST_PANORAMA or abs(width - 2 * height) > 2:
+    if height < 64 or abs(width - 2 * height) > 2:
         return False
     neighbors = np.abs(np.diff(display, axis=1)).mean()
     seam = np.abs(display[:, 0] - display[:, -1]).mean()
-    poles = (display[0].std(0).max(), display[-1].std(0).max())
-    return bool(seam <= _SEAM * neighbors + 1 / 255 and max(poles) < _POLE and display.std() > _POLE)
+    # The first and the last row are one point each.
+    poles, even = max(display[0].std(0).max(), display[-1].std(0).max()), 0.06
+    return bool(seam <= 2.5 * neighbors + 1 / 255 and poles < even < display.std())

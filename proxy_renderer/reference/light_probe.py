@@ -34,39 +34,36 @@ def probe(linear: np.ndarray) -> LightProbe:
     solid = np.broadcast_to(np.cos(up)[:, None] * (np.pi / height) * (2 * np.pi / width), (height, width))
     light = luminance(linear) * solid
     bright = luminance(linear) > _BRIGHT * light.sum() / solid.sum()
-    share = light[bright].sum() / max(light.sum(), 1e-12)
-    around = _color((linear * solid[..., None])[~bright].sum(0))
-    if share < _KEY:
-        return LightProbe(None, None, around, around, 0.0)
+
+    def color(where: np.ndarray) -> Values:
+        total = (linear * solid[..., None])[where].sum(0)
+        return tuple((total / max(float(total.max()), 1e-12)).tolist())
+
+    if light[bright].sum() < _KEY * max(light.sum(), 1e-12):
+        return LightProbe(None, None, color(~bright), color(~bright), 0.0)
     x, y = np.cos(up)[:, None] * np.cos(turn), np.cos(up)[:, None] * np.sin(turn)
     z = np.broadcast_to(np.sin(up)[:, None], x.shape)
     mean = np.array([(axis * light)[bright].sum() for axis in (x, y, z)])
     azimuth = (math.degrees(math.atan2(mean[1], mean[0])) + 90.0 + 180.0) % 360.0 - 180.0
     elevation = math.degrees(math.asin(mean[2] / np.linalg.norm(mean)))
-    key = _color((linear * solid[..., None])[bright].sum(0))
     fill = np.pi * light[~bright].sum() / solid[~bright].sum()
-    return LightProbe(azimuth, elevation, key, around, float(np.linalg.norm(mean) / max(fill, 1e-12)))
+    ratio = float(np.linalg.norm(mean) / max(fill, 1e-12))
+    return LightProbe(azimuth, elevation, color(bright), color(~bright), ratio)
 
 
 def effects_of(found: LightProbe) -> list[str]:
-    """Effects that give the key light the direction and color of the key, and the world the color of the rest.
+    """Effects that give the key light the direction and color of the key, and the world the color of the rest, at their brightness."""
 
-    The brightness of both stays.
-    """
-    texts = [
-        _near("world/color", found.around, _SAME_COLOR),
-        _near("key/color", found.key, _SAME_COLOR),
-        "key/temperature 6499..6501 !0",  # the color says it all
-    ]
+    def near(parameter: str, value: Values, reach: float) -> str:
+        lower, upper = (",".join(f"{v + off:.6g}" for v in value) for off in (-reach, reach))
+        return f"{parameter} {lower}..{upper} !0"
+
+    texts = [near("world/color", found.around, _SAME_COLOR), near("key/color", found.key, _SAME_COLOR)]
+    texts.append("key/temperature 6499..6501 !0")  # the color says it all
     if found.azimuth is not None and found.elevation is not None:
-        texts.append(_near("key/azimuth", (found.azimuth,), _NEAR))
-        texts.append(_near("key/elevation", (found.elevation,), _NEAR))
+        texts.append(near("key/azimuth", (found.azimuth,), _NEAR))
+        texts.append(near("key/elevation", (found.elevation,), _NEAR))
     return texts
-
-
-def _near(parameter: str, value: Values, reach: float) -> str:
-    lower, upper = (",".join(f"{v + off:.6g}" for v in value) for off in (-reach, reach))
-    return f"{parameter} {lower}..{upper} !0"
 
 
 def summary_of(found: LightProbe, name: str) -> str:
@@ -77,7 +74,3 @@ def summary_of(found: LightProbe, name: str) -> str:
         f"In {name} most light comes from {found.azimuth:.0f}° and {found.elevation:.0f}° up, "
         f"{found.ratio:.1f} times as much as from all around."
     )
-
-
-def _color(total: np.ndarray) -> Values:
-    return tuple((total / max(float(total.max()), 1e-12)).tolist())

@@ -10,7 +10,6 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import torch
 from torch import Tensor
 
@@ -52,7 +51,11 @@ class Reference:
         path = Path(options.like)
         picture = read_reference(path)
         if picture.linear is not None:
-            picture = replace(picture, display=_shown(picture.linear, scene))
+            height, width = picture.linear.shape[:2]
+            keys = [key for key in ("film/exposure", "film/gamma") if key in scene.instances]
+            values = {key: torch.tensor(scene.instances[key].value) for key in keys}
+            shown = Film(scene.film, (width, height)).show(torch.from_numpy(picture.linear), values)
+            picture = replace(picture, display=shown.numpy())
         return cls(picture, path.name, options)
 
     @cached_property
@@ -71,27 +74,25 @@ class Reference:
             self.same = statements.is_same(self.display, rendered)
 
     def wishes(self, instances: Collection[Instance], seen: Callable[[], GBuffer]) -> list[Wish]:
-        """Wishes with the effects and facts of the image, then one for each statement on it.
-
-        `seen` returns the scene's G-buffer; it is called only for an image of the same scene.
-        """
+        """Wishes with the effects and facts of the image, then one for each statement on it; `seen` returns the scene's G-buffer."""
         if self.probe:
             return self._wishes(self.name, light_probe.effects_of(self.probe))
+        regions = regions_of(self.picture.display, self.picture.alpha)
         if self.same:
             said = statements.statements_by_place(self.display, self.picture.alpha, seen())
         else:
-            said = [each for each in statements.statements_of(self._regions) if each.trait in self.traits]
+            said = [each for each in statements.statements_of(regions) if each.trait in self.traits]
         measures = {each.claim.measure for each in said}
         effects = effects_of(instances, self.traits, measures, bool(self.same))
-        found = self._wishes(self.name, [*map(str, effects), *map(str, self._facts())])
+        found = self._wishes(self.name, [*map(str, effects), *map(str, _facts(regions))])
         for each in said:
             found += self._wishes(f"{self.name}: {each.word}", [str(each.claim)], each.material)
         return found
 
     def _wishes(self, word: str, texts: list[str], material: str = "") -> list[Wish]:
-        said = _word(word, self.name, material)
-        found = read_wishes(texts)
-        return [Wish(said, each.quantity, effects=each.effects, claims=each.claims) for each in found]
+        """The wishes of a statement on the image."""
+        said = _attribute(word, self.name, material)
+        return [Wish(said, w.quantity, effects=w.effects, claims=w.claims) for w in read_wishes(texts)]
 
     @cached_property
     def probe(self) -> light_probe.LightProbe | None:
@@ -99,32 +100,22 @@ class Reference:
         linear = self.picture.linear
         return light_probe.probe(linear) if self.picture.panorama and linear is not None else None
 
-    @cached_property
-    def _regions(self) -> PictureRegions:
-        return regions_of(self.picture.display, self.picture.alpha)
-
-    def _facts(self) -> Iterator[ClaimText]:
-        """Claims of weight 0 that record measures of the image itself, as far as a flat image has them."""
-        parts: tuple[Part, ...] = ("picture", "subject") if self._regions.subject else ("picture",)
-        for part in parts:
-            where = self._regions.region(part)
-            for measure in FACTS if where is not None else ():
-                own = MEASURES[measure].take(self._regions.picture, where).tolist()
-                yield ClaimText(part, measure, tuple(own), tuple(own), weight=0.0)
-
 
 @cache
-def _word(word: str, name: str, material: str) -> Attribute:
-    """The attribute of one statement on the image; cached, so that its wishes share it."""
+def _attribute(word: str, name: str, material: str) -> Attribute:
+    """The attribute of statements with one word; cached, because written goals list attributes by identity."""
     owners = (material,) if material else ()
     return Attribute(word, name, PICTURE, "whole", "whole", owners=owners, thing=material)
 
 
-def _shown(linear: np.ndarray, scene: SceneData) -> np.ndarray:
-    keys = [key for key in ("film/exposure", "film/gamma") if key in scene.instances]
-    values = {key: torch.tensor(scene.instances[key].value) for key in keys}
-    film = Film(scene.film, (linear.shape[1], linear.shape[0]))
-    return film.show(torch.from_numpy(linear), values).numpy()
+def _facts(regions: PictureRegions) -> Iterator[ClaimText]:
+    """Claims of weight 0 that record measures of the image itself, as far as a flat image has them."""
+    parts: tuple[Part, ...] = ("picture", "subject") if regions.subject else ("picture",)
+    for part in parts:
+        where = regions.region(part)
+        for measure in FACTS if where is not None else ():
+            own = MEASURES[measure].take(regions.picture, where).tolist()
+            yield ClaimText(part, measure, tuple(own), tuple(own), weight=0.0)
 
 
 # Plans for an image in the place of words, and for words with it
@@ -152,16 +143,18 @@ class LikeAdvisor:
         if not (moving or self._words):
             remedy = "Unlock something, allow more groups, or name more in --like-only."
             raise VibeError("Nothing that the picture speaks of may change in this scene.", remedy)
-        notes = (*plan.notes, self._found(), *kept_values(instances, moving))
-        return replace(advice, goals=goals, plan=Plan(dict(plan), notes))
-
-    def _found(self) -> str:
-        name, same = self._reference.name, self._reference.same
+        name = self._reference.name
         if self._reference.probe:
-            return light_probe.summary_of(self._reference.probe, name)
-        if same:
-            return f"{name} shows this very scene: it is compared place by place."
-        return f"{name} shows something else: its look is taken over, not its content."
+            note = light_probe.summary_of(self._reference.probe, name)
+        elif self._reference.same:
+            note = f"{name} shows this very scene: it is compared place by place."
+        else:
+            note = f"{name} shows something else: its look is taken over, not its content."
+        # Parameters that stay because an image does not determine them
+        families = {i.parameter.family for key, i in instances.items() if key not in moving and not i.locked}
+        stays = (f"{family}: {why}" for family, why in _TABLES["stays"].items() if family in families)
+        notes = (*plan.notes, note, *(f"Kept as you have it, {text}." for text in stays))
+        return replace(advice, goals=goals, plan=Plan(dict(plan), notes))
 
 
 _TABLES = tomllib.loads(Path(__file__).with_name("like.toml").read_text("utf-8"))
@@ -175,12 +168,7 @@ def _effects(table: str) -> dict[str, Effect]:
 def effects_of(
     instances: Collection[Instance], traits: Collection[str], measures: Collection[str], same: bool
 ) -> list[Effect]:
-    """The effects of an image for the traits to take over, without those that need a measure that is not claimed.
-
-    Args:
-        measures: The measures that statements on the image claim.
-        same: Whether the image shows the same scene.
-    """
+    """Effects of an image, of the `same` scene or another, for traits to take over, without those that need other measures than claimed."""
     table = _effects("another_scene")
     free = {i.parameter.family for i in instances if not i.locked}
     if same:
@@ -188,23 +176,11 @@ def effects_of(
         table.pop("film/grade_exposure")
     elif free & {"light/color", "world/color"} and {"light", "palette"} & {*traits}:
         table |= _effects("beside_light")
-    needs = {} if same else _TABLES["needs"]
-    return [
-        effect
-        for family, effect in table.items()
-        if _serves(family, traits) and needs.get(family, "") in ("", *measures)
-    ]
-
-
-def kept_values(instances: Mapping[str, Instance], entries: Collection[str]) -> tuple[str, ...]:
-    """Sentences on the parameter families that stay because an image does not determine them."""
-    families = {i.parameter.family for key, i in instances.items() if key not in entries and not i.locked}
-    said = (f"{family}: {why}" for family, why in _TABLES["stays"].items() if family in families)
-    return tuple(f"Kept as you have it, {text}." for text in said)
-
-
-def _serves(family: str, traits: Collection[str]) -> bool:
-    """True if parameters of a family serve one of the traits; those of lights and world serve the palette, too."""
-    group = family.partition("/")[0]
-    colors = group in ("light", "world") or family == "film/saturation"
-    return _TABLES["traits"][group] in traits or ("palette" in traits and colors)
+    found = []
+    for family, effect in table.items():
+        group, need = family.partition("/")[0], "" if same else _TABLES["needs"].get(family, "")
+        colors = group in ("light", "world") or family == "film/saturation"  # they serve the palette, too
+        serves = _TABLES["traits"][group] in traits or ("palette" in traits and colors)
+        if serves and need in ("", *measures):
+            found.append(effect)
+    return found

@@ -24,14 +24,10 @@ from ..words.types import Part
 from .files import small_size
 
 SIZE = 192  # pixels of the longer side at which images are measured, about as in the search
-_TRANSPARENT = 0.5  # alpha up to which a pixel does not count
-_FEW = 16  # pixels; a smaller region is not measured
-_SMALL = 96  # pixels of the longer side at which regions are found
+_TRANSPARENT, _FEW = 0.5, 16  # alpha up to which a pixel does not count; pixels below which a region is not measured
 _BORDER, _GROUNDS = 0.06, 5  # width of the border in shorter sides; number of colors that stand for it
-_MIDDLE = 0.6  # half diagonals; standard deviation of the weight that falls off from the middle
 _SUBJECT = (0.04, 0.5)  # least and greatest share of the image that a subject covers
 _ON_BORDER = 0.22  # greatest share of the border that a subject touches
-_DISTINCT = 16.0  # least Lab distance of a subject's mean color from that of the rest
 _SKY = (0.12, 0.7)  # least and greatest share of the image that a sky covers
 _EVEN, _LIGHTER, _OTHER = 2.5, 8.0, 15.0
 """Of a sky: greatest slope of L* per pixel, least L* above the rest, and least Lab distance from the color at the bottom."""
@@ -54,38 +50,25 @@ class PictureRegions:
 
 
 def regions_of(display: np.ndarray, alpha: np.ndarray | None = None) -> PictureRegions:
-    """The regions of an sRGB image (H, W, 3) in [0, 1]; pixels of low `alpha` (H, W) do not count.
-
-    A subject is not looked for in an image with transparent pixels.
-    """
+    """The regions of an sRGB image (H, W, 3) in [0, 1]; pixels of low `alpha` (H, W) do not count, and leave no subject to look for."""
     seen = np.ones(display.shape[:2], bool) if alpha is None else alpha > _TRANSPARENT
-    planes = torch.from_numpy(_filled(display, seen)).permute(2, 0, 1)[None]
-    small = _resized(planes, _SMALL)
-    lab = lab_from_srgb(small[0].permute(1, 2, 0)).numpy()
-    sky = _sky(lab)
     cutout = not seen.all()
+    if cutout:  # transparent pixels get the color of the nearest opaque one
+        nearest = ndimage.distance_transform_edt(~seen, return_distances=False, return_indices=True)
+        display = display[tuple(nearest)]
+    planes = torch.from_numpy(np.ascontiguousarray(display)).permute(2, 0, 1)[None]
+    lab = lab_from_srgb(_resized(planes, 96)[0].permute(1, 2, 0)).numpy()
+    sky = _sky(lab)
     subject = np.zeros_like(sky) if cutout else _subject(lab, sky)
     shown = _resized(planes, SIZE)
     masks = torch.from_numpy(np.stack((subject, sky)).astype(np.float32))[None]
     masks = (F.interpolate(masks, shown.shape[-2:], mode="bilinear")[0] > 0.5).float()
-    picture = MeasuredPicture(shown[0].permute(1, 2, 0).contiguous(), _flat(*masks))
+    # A flat image knows only which pixels are subject and which are sky.
+    material, blank = torch.where((masks[1] > 0.5) & (masks[0] < 0.5), -1, 0), torch.ones_like(masks[0])
+    flat = GBuffer(masks[0], material, ("",), torch.zeros(*blank.shape, 3), blank, blank)
+    picture = MeasuredPicture(shown[0].permute(1, 2, 0).contiguous(), flat)
     counts = _resized(torch.from_numpy(seen.astype(np.float32))[None, None], SIZE)[0, 0] > 0.5
     return PictureRegions(picture, bool(subject.any()), bool(sky.any()), counts)
-
-
-def _filled(display: np.ndarray, seen: np.ndarray) -> np.ndarray:
-    """An image (H, W, 3) whose transparent pixels have the color of the nearest one that is `seen` (H, W)."""
-    if seen.all():
-        return np.ascontiguousarray(display)
-    nearest = ndimage.distance_transform_edt(~seen, return_distances=False, return_indices=True)
-    return np.ascontiguousarray(display[tuple(nearest)])
-
-
-def _flat(subject: Tensor, sky: Tensor) -> GBuffer:
-    """A G-buffer of a flat image: it knows only which pixels are subject and which are sky, (H, W) each."""
-    material = torch.where((sky > 0.5) & (subject < 0.5), -1, 0)
-    blank = torch.ones_like(subject)
-    return GBuffer(subject, material, ("",), torch.zeros(*subject.shape, 3), blank, blank)
 
 
 def _subject(lab: np.ndarray, sky: np.ndarray) -> np.ndarray:
@@ -100,7 +83,8 @@ def _subject(lab: np.ndarray, sky: np.ndarray) -> np.ndarray:
     height, width = sky.shape
     y, x = np.mgrid[:height, :width] + 0.5
     radius = np.hypot(y - height / 2, x - width / 2) / (np.hypot(height, width) / 2)
-    salient = ndimage.gaussian_filter(apart * np.exp(-0.5 * (radius / _MIDDLE) ** 2), 1.5)
+    middle = np.exp(-0.5 * (radius / 0.6) ** 2)  # weight that falls off from the middle
+    salient = ndimage.gaussian_filter(apart * middle, 1.5)
     parts, count = ndimage.label(ndimage.binary_opening(salient > _otsu(salient), iterations=2))
     if not count:
         return nothing
@@ -108,16 +92,14 @@ def _subject(lab: np.ndarray, sky: np.ndarray) -> np.ndarray:
     subject = ndimage.binary_fill_holes(parts == 1 + int(np.argmax(weights)))
     distance = np.linalg.norm(lab[subject].mean(0) - lab[~subject].mean(0))
     fits = _SUBJECT[0] < subject.mean() < _SUBJECT[1] and subject[border].mean() < _ON_BORDER
-    return subject if fits and distance > _DISTINCT else nothing
+    return subject if fits and distance > 16.0 else nothing
 
 
 def _sky(lab: np.ndarray) -> np.ndarray:
     """(H, W) bool: the sky of an image (H, W, 3) in Lab; all False if none is clear."""
-    light = ndimage.gaussian_filter(lab[..., 0], 0.8)
-    even = np.hypot(*np.gradient(light)) < _EVEN
+    even = np.hypot(*np.gradient(ndimage.gaussian_filter(lab[..., 0], 0.8))) < _EVEN
     parts, _ = ndimage.label(even)
-    top = np.unique(parts[0][parts[0] > 0])
-    sky = np.isin(parts, top)
+    sky = np.isin(parts, parts[0][parts[0] > 0])
     nothing = np.zeros_like(sky)
     if not _SKY[0] < sky.mean() < _SKY[1] or sky[0].mean() < 0.75 or sky[-len(sky) // 4 :].mean() > 0.15:
         return nothing

@@ -5,6 +5,7 @@ An image of another scene gives tones, casts, light, palette and haze; one of th
 material.
 """
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -32,48 +33,35 @@ from .regions import PictureRegions
 class Statement:
     """A claim that the render resembles the reference image in one respect."""
 
-    trait: str  # one of `schema.options.table.TRAITS`
     word: str  # what it is called: "teal shadows"
     claim: ClaimText
+    trait: str = ""  # one of `schema.options.table.TRAITS`
     material: str = ""  # the scene's material that the claim is about; "" for a part of the image
 
 
 _WORDS = ("upper", "middle", "lower")
 _SIDES = ("left", "middle", "right")
-_ASPECT = 0.02  # share by which proportions may differ
 _ALIKE = 0.4
 """Correlation of edges from which two images show one scene. Before and after a vibe it is .51 to .98 (19 scenes), for two
 different scenes .26 at most (240 pairs)."""
-_EDGES = 128  # longer side at which edges are compared, pixels
-_SEEN = 0.99  # least alpha of a pixel that is compared
-_FLAT = 1.0  # Lab distance per pixel; smaller slopes are hardly edges
-_LONGER = 12  # cells along the longer side
 _EXACT = 0.5  # noticeable steps by which the color of a cell or a material may differ
 
 
 def is_same(reference: Tensor, rendered: Tensor) -> bool:
-    """True if two pictures show the same things in the same places, however lit."""
+    """True if two images (H, W, 3) show the same things in the same places, however lit: if their edges correlate."""
     one, other = (picture.shape[1] / picture.shape[0] for picture in (reference, rendered))
-    return abs(one / other - 1) < _ASPECT and likeness(reference, rendered) > _ALIKE
-
-
-def likeness(reference: Tensor, rendered: Tensor) -> float:
-    """Correlation of the edges of two images (H, W, 3).
-
-    Strengths of edges are compressed, because a change of light changes them, but not the places of edges.
-    """
-    shape = small_size(rendered.shape[0], rendered.shape[1], _EDGES)
-    maps = torch.stack([_edges(picture, shape).flatten() for picture in (reference, rendered)])
-    return float(torch.nan_to_num(torch.corrcoef(maps)[0, 1]))
-
-
-def _edges(picture: Tensor, shape: tuple[int, int]) -> Tensor:
-    """(h, w) log of slopes in Lab relative to the mean slope around, so that edges in a dim corner count as much."""
-    planes = F.interpolate(picture.detach().cpu().float().permute(2, 0, 1)[None], shape, mode="area")
-    lab = lab_from_srgb(planes[0].permute(1, 2, 0))
-    slopes = torch.stack(torch.gradient(lab, dim=(0, 1))).square().sum((0, -1)).sqrt()
-    around = F.avg_pool2d(slopes[None, None], 31, 1, 15, count_include_pad=False)[0, 0]
-    return (1 + slopes / (around + 0.2 * _FLAT)).log()
+    shape = small_size(rendered.shape[0], rendered.shape[1], longest=128)
+    maps = []
+    for picture in (reference, rendered):
+        planes = F.interpolate(picture.detach().cpu().float().permute(2, 0, 1)[None], shape, mode="area")
+        lab = lab_from_srgb(planes[0].permute(1, 2, 0))
+        slopes = torch.stack(torch.gradient(lab, dim=(0, 1))).square().sum((0, -1)).sqrt()
+        # Relative to the mean slope around, edges in a dim corner count as much. The logarithm compresses strengths, which a change
+        # of light changes, unlike the places of edges.
+        around = F.avg_pool2d(slopes[None, None], 31, 1, 15, count_include_pad=False)[0, 0]
+        maps.append((1 + slopes / (around + 0.2)).log().flatten())
+    likeness = float(torch.nan_to_num(torch.corrcoef(torch.stack(maps))[0, 1]))
+    return abs(one / other - 1) < 0.02 and likeness > _ALIKE
 
 
 def statements_by_place(picture: Tensor, alpha: np.ndarray | None, seen: GBuffer) -> list[Statement]:
@@ -81,34 +69,26 @@ def statements_by_place(picture: Tensor, alpha: np.ndarray | None, seen: GBuffer
     measured = MeasuredPicture.of(picture, seen)
     hidden = torch.zeros_like(seen.subject, dtype=torch.bool)
     if alpha is not None:
-        planes = torch.from_numpy(alpha)[None, None]
-        hidden = F.interpolate(planes, seen.subject.shape, mode="area")[0, 0] < _SEEN
+        hidden = F.interpolate(torch.from_numpy(alpha)[None, None], seen.subject.shape, mode="area")[0, 0] < 0.99
+    cells = []
+    height, width = seen.subject.shape
+    step = max(height, width) / 12  # cells along the longer side
+    rows, columns = max(round(height / step), 1), max(round(width / step), 1)
+    for row, column in itertools.product(range(rows), range(columns)):
+        box = column / columns, row / rows, (column + 1) / columns, (row + 1) / rows
+        place = f"{_WORDS[3 * row // rows]} {_SIDES[3 * column // columns]}"
+        reason = f"as it is at the {place} of the picture"
+        cells.append(Statement(place, ClaimText("picture", "mean", box=box, reason=reason)))
+    looks = [(name, ClaimText("thing", "mean", reason=f"as {name} looks in it")) for name in sorted({*seen.materials})]
+    materials = [Statement(name, claim, material=name) for name, claim in looks]
     said = []
-    for each in (*sorted(_cells(seen), key=lambda cell: cell.word), *_materials(seen)):
-        claim, materials = each.claim, (each.material,) if each.material else ()
-        where = Claim("", "picture", "mean", "picture", (), (), materials, box=claim.box).region(seen)
+    for each in (*sorted(cells, key=lambda cell: cell.word), *materials):
+        claim, owners = each.claim, (each.material,) if each.material else ()
+        where = Claim("", "picture", "mean", "picture", (), (), owners, box=claim.box).region(seen)
         if where is not None and not (where & hidden).any():
             value, reach = MEASURES["mean"].take(measured, where).tolist(), _EXACT * MEASURES["mean"].notice
-            lower, upper = tuple(v - reach for v in value), tuple(v + reach for v in value)
-            said.append(replace(each, claim=replace(claim, lower=lower, upper=upper)))
+            said.append(_with(each, lower=tuple(v - reach for v in value), upper=tuple(v + reach for v in value)))
     return said
-
-
-def _cells(seen: GBuffer) -> Iterator[Statement]:
-    height, width = seen.subject.shape
-    step = max(height, width) / _LONGER
-    rows, columns = max(round(height / step), 1), max(round(width / step), 1)
-    for row in range(rows):
-        for column in range(columns):
-            box = column / columns, row / rows, (column + 1) / columns, (row + 1) / rows
-            place = f"{_WORDS[3 * row // rows]} {_SIDES[3 * column // columns]}"
-            reason = f"as it is at the {place} of the picture"
-            yield Statement("light", place, ClaimText("picture", "mean", box=box, reason=reason))
-
-
-def _materials(seen: GBuffer) -> Iterator[Statement]:
-    for name in sorted(set(seen.materials)):
-        yield Statement("materials", name, ClaimText("thing", "mean", reason=f"as {name} looks in it"), name)
 
 
 _GRAY = 4.0  # C* below which a tint is none
@@ -131,31 +111,26 @@ def hue(a: float, b: float) -> str:
 
 
 CLOSE, LOOSE = 1.5, 2.5  # noticeable steps from the image's value to either end of a claim
-# share of the spread of a part's a*, b* by which its cast may differ: in mixed colors it says little
-_MIXED = 0.35
-
+_MIXED = 0.35  # share of the spread of a part's a*, b* by which its cast may differ: in mixed colors it says little
 _PAINTED, _GRAYEST = 18.0, 0.3
 """Greatest mean chroma that a claim asks for, and a quantile of the pixels' chroma that it does not exceed either. Color that
 the grayest third of an image lacks is paint, which the scene may not have."""
 
-_OF_CONTENT = 0.5
-"""Weight of claims on quartiles of tones and on the lightness of thirds, which depend on black and white objects, too."""
+_OF_CONTENT = 0.5  # weight of claims on quartiles and on the lightness of thirds: black and white objects count in them
 _BLACK, _WHITE = 12.0, 80.0
 """L* that looks black, and white. A reference image with a black object in it asks for no darker black point, which would
 only darken the shadows of a scene without such an object."""
 
 _TONES = ("black_point", "lower_quartile", "median", "upper_quartile", "white_point")
 _CASTS = {"shadow_cast": "shadows", "midtone_cast": "midtones", "highlight_cast": "lights"}
-_VIGNETTE = 8.0  # least L* by which every corner is darker in a vignette
-_VEILED, _DARKEST = 35.0, 20.0  # of haze: least percent of white over everything, least L* of the black point
-_SIDED = 8.0  # least difference in L* of two sides of a subject that is lit from one of them
 _THIRDS = {place: (0.0, n / 3, 1.0, (n + 1) / 3) for n, place in enumerate(_WORDS)}
 
 
 def statements_of(regions: PictureRegions) -> list[Statement]:
     """Statements on an image of another scene."""
     reader = _Reader(regions)
-    return [*reader.grade(), *reader.light(), *reader.palette(), *reader.air()]
+    found = {"grade": reader.grade(), "light": reader.light(), "palette": reader.palette(), "air": reader.air()}
+    return [replace(said, trait=trait) for trait, statements in found.items() for said in statements]
 
 
 class _Reader:
@@ -165,26 +140,27 @@ class _Reader:
     def grade(self) -> Iterator[Statement]:
         """Tones, tints of shadows, midtones and lights, saturation, vignette."""
         for measure in _TONES:
-            (light,) = self._value(measure, "picture")
-            says = MEASURES[measure].says
-            said = self._near("grade", "tones", measure, "picture", CLOSE, f"{says} is L* {light:.0f}")
-            yield _of_content(said)
+            said = self._near("tones", measure, f"{MEASURES[measure].says} is L* {{:.0f}}", steps=CLOSE)
+            # Black and white objects of the reference need not be in the scene.
+            if measure == "black_point":
+                said = _with(said, upper=(max(*said.claim.upper, _BLACK),))
+            elif measure == "white_point":
+                said = _with(said, lower=(min(*said.claim.lower, _WHITE),))
+            elif "quartile" in measure:
+                said = _with(said, weight=_OF_CONTENT)
+            yield said
         for measure, what in _CASTS.items():
-            name = hue(*self._value(measure, "picture"))
-            yield self._near("grade", f"{name} {what}", measure, "picture", CLOSE, f"its {what} are {name}")
-        (vivid,) = self._value("chroma", "picture")
+            name = hue(*self._value(measure))
+            yield self._near(f"{name} {what}", measure, f"its {what} are {name}", steps=CLOSE)
+        (vivid,) = self._value("chroma")
         word = "pale" if vivid < 10 else "vivid" if vivid > 35 else "colors"
-        said = self._near("grade", word, "chroma", "picture", CLOSE, f"its mean chroma is {vivid:.0f}")
+        said = self._near(word, "chroma", "its mean chroma is {:.0f}", steps=CLOSE)
         all_over = self.picture.lab[self.regions.counts][:, 1:].norm(dim=-1).quantile(_GRAYEST)
         yield _with(said, lower=(min(*said.claim.lower, _PAINTED, float(all_over)),))
-        (most,) = self._value("vividest", "picture")
-        reason = f"its most vivid colors have a chroma of {most:.0f}"
-        said = self._near("grade", "no gaudy colors", "vividest", "picture", LOOSE, reason)
+        said = self._near("no gaudy colors", "vividest", "its most vivid colors have a chroma of {:.0f}")
         yield _with(said, lower=(-math.inf,), change=0.0)  # more vivid colors that the scene has may stay
-        (fall,) = self._value("vignette", "picture")
-        if min(corner_falls(self.picture), default=0.0) > _VIGNETTE:
-            reason = f"its corners are L* {fall:.0f} darker than its middle"
-            yield self._near("grade", "vignette", "vignette", "picture", LOOSE, reason)
+        if min(corner_falls(self.picture), default=0.0) > 8.0:  # L* by which every corner is darker
+            yield self._near("vignette", "vignette", "its corners are L* {:.0f} darker than its middle")
 
     def light(self) -> Iterator[Statement]:
         """The light on a subject, and its contrast with the ground; nothing without a clear subject."""
@@ -192,18 +168,17 @@ class _Reader:
             return
         (range_,) = self._value("spread", "subject")
         word = "contrasty light" if range_ > 45 else "soft light" if range_ < 25 else "light"
-        reason = f"its subject ranges over L* {range_:.0f} from dark to light"
-        yield self._near("light", word, "spread", "subject", LOOSE, reason)
+        yield self._near(word, "spread", "its subject ranges over L* {:.0f} from dark to light", "subject")
         for measure, sides in (("from_right", ("right", "left")), ("from_above", ("above", "below"))):
             (slope,) = self._value(measure, "subject")
-            if abs(slope) > _SIDED:
+            if abs(slope) > 8.0:  # L*, of a subject that is lit from one side
                 side = sides[slope < 0]
                 reason = f"its subject is L* {abs(slope):.0f} lighter on the side that is {side}"
-                yield self._near("light", f"light from {side}", measure, "subject", LOOSE, reason)
+                yield self._near(f"light from {side}", measure, reason, "subject")
         (above,) = self._value("standing_out", "subject")
-        word = "subject lighter than its ground" if above > 0 else "subject darker than its ground"
-        reason = f"its subject is L* {abs(above):.0f} {'lighter' if above > 0 else 'darker'} than the rest"
-        yield self._near("light", word, "standing_out", "subject", LOOSE, reason)
+        how = "lighter" if above > 0 else "darker"
+        reason = f"its subject is L* {abs(above):.0f} {how} than the rest"
+        yield self._near(f"subject {how} than its ground", "standing_out", reason, "subject")
 
     def palette(self) -> Iterator[Statement]:
         """The colors of subject, surroundings and sky; without a clear subject, of the upper, middle and lower third."""
@@ -218,10 +193,9 @@ class _Reader:
 
     def air(self) -> Iterator[Statement]:
         """Haze, if nothing in the image is dark or pure in color."""
-        (veil,) = self._value("veil", "picture")
-        if veil > _VEILED and self._value("black_point", "picture")[0] > _DARKEST:
-            reason = f"nothing in it is dark or pure in color: at least {veil:.0f} % of white lies over it"
-            yield self._near("air", "haze", "veil", "picture", LOOSE, reason)
+        if self._value("veil")[0] > 35.0 and self._value("black_point")[0] > 20.0:  # percent of white; L*
+            reason = "nothing in it is dark or pure in color: at least {:.0f} % of white lies over it"
+            yield self._near("haze", "veil", reason)
 
     def _colors(self, part: Part, what: str, box: Values = ()) -> Iterator[Statement]:
         """Lightness and cast of a part; nothing if it has too few pixels.
@@ -232,33 +206,30 @@ class _Reader:
         """
         if self.regions.region(part, box) is None:
             return
-        all_over, own = self._value("cast", "picture"), self._value("cast", part, box)
+        all_over, own = self._value("cast"), self._value("cast", part, box)
         word = f"{hue(*(all_over if part == 'subject' else own))} {what}"
         if part == "subject":
-            reason = f"the light all over it is {hue(*all_over)}"
-            said = self._near("palette", word, "cast", "picture", LOOSE, reason)
+            said = self._near(word, "cast", f"the light all over it is {hue(*all_over)}")
             yield _with(said, part=part, change=0.0)
         else:
-            said = self._near("palette", word, "cast", part, LOOSE, f"its {what} is {hue(*own)}", box)
+            said = self._near(word, "cast", f"its {what} is {hue(*own)}", part, box)
             lower, upper = said.claim.lower, said.claim.upper
             ends = {"lower": tuple(map(min, lower, all_over)), "upper": tuple(map(max, upper, all_over))}
             yield _with(said, **ends) if box else said
-        (light,) = self._value("lightness", part, box)
-        reason = f"the mean lightness of its {what} is L* {light:.0f}"
-        said = self._near("palette", word, "lightness", part, LOOSE, reason, box)
+        said = self._near(word, "lightness", f"the mean lightness of its {what} is L* {{:.0f}}", part, box)
         yield _with(said, weight=_OF_CONTENT) if box else said
 
-    def _value(self, measure: str, part: Part, box: Values = ()) -> Values:
+    def _value(self, measure: str, part: Part = "picture", box: Values = ()) -> Values:
         where = self.regions.region(part, box)
         where = self.regions.counts if where is None else where
         return tuple(MEASURES[measure].take(self.picture, where).tolist())
 
     def _near(
-        self, trait: str, word: str, measure: str, part: Part, steps: float, reason: str, box: Values = ()
+        self, word: str, measure: str, reason: str, part: Part = "picture", box: Values = (), steps: float = LOOSE
     ) -> Statement:
-        """The statement that a measure has the value of the reference image, within a number of noticeable steps."""
-        value, notice = self._value(measure, part, box), MEASURES[measure].notice
-        reach = steps * notice / math.sqrt(len(value))
+        """The statement that a measure has the reference image's value, which fills `reason`, within a number of noticeable steps."""
+        value = self._value(measure, part, box)
+        reach = steps * MEASURES[measure].notice / math.sqrt(len(value))
         if MEASURES[measure].unit == "a*b*":
             # Spread of the colors around the cast, with the weights by which the cast is measured
             where = self.regions.region(part, box)
@@ -267,18 +238,8 @@ class _Reader:
             mixture = (weights @ (tints - weights @ tints).square()).mean().sqrt()
             reach = max(reach, _MIXED * float(mixture))
         lower, upper = tuple(v - reach for v in value), tuple(v + reach for v in value)
-        return Statement(trait, word, ClaimText(part, measure, lower, upper, box=box, reason=reason))
+        return Statement(word, ClaimText(part, measure, lower, upper, box=box, reason=reason.format(*value)))
 
 
 def _with(statement: Statement, **changes: Any) -> Statement:
     return replace(statement, claim=replace(statement.claim, **changes))
-
-
-def _of_content(statement: Statement) -> Statement:
-    """A statement on tones, relaxed so that black and white objects of the reference need not be in the scene."""
-    measure, lower, upper = statement.claim.measure, statement.claim.lower, statement.claim.upper
-    if measure == "black_point":
-        return _with(statement, upper=(max(*upper, _BLACK),))
-    if measure == "white_point":
-        return _with(statement, lower=(min(*lower, _WHITE),))
-    return _with(statement, weight=_OF_CONTENT) if "quartile" in measure else statement

@@ -5,9 +5,9 @@ A model's answer is checked field by field. Valid fields are used; others are re
 answer is run, opened or looked up: it has only numbers, known classes and short texts.
 """
 
-import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+import sys
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -29,7 +29,6 @@ from .transport import ModelError, clean
 
 _MOST_OBJECTS, _MOST_TEXTS, _MOST_ENTRIES = 12, 8, 200
 _CAPTION, _WORD, _REASON = 160, 60, 160
-_LAST = 99  # greatest priority
 _NARROWEST = 0.04  # least width of a range on the perceptual scale: the gradient finds the exact value
 _DEGREES = 10.0  # least width of an angle's range, if that is narrower
 _NEGATION = re.compile(r"\b(no|not|never|without|n't)\b", re.IGNORECASE)
@@ -59,10 +58,8 @@ class Reply:
 
 def read_reply(raw: dict[str, Any], table: AliasTable) -> Reply:
     """The usable parts of an answer, with counts of the others."""
-    reply = Reply()
-    fields = ("objects", "prompts", "targets", "colors", "ignored", "plan", "keep")
-    reply.missing = sum(name not in raw for name in fields)
-    reply.dropped = len(set(raw) - set(fields))
+    fields = {"objects", "prompts", "targets", "colors", "ignored", "plan", "keep"}
+    reply = Reply(missing=len(fields - raw.keys()), dropped=len(raw.keys() - fields))
     reply.objects = _objects(raw.get("objects"), table, reply)
     reply.prompts = _prompts(raw.get("prompts"), reply)
     classes = {name: quantity.classes for name, quantity in quantities().by_name.items()}
@@ -72,18 +69,16 @@ def read_reply(raw: dict[str, Any], table: AliasTable) -> Reply:
     reply.ignored = _texts(raw.get("ignored"), _WORD)
     for item in _list(raw.get("plan"), reply)[:_MOST_ENTRIES]:
         _add_entry(item, table, reply)
-    for name in _list(raw.get("keep"), reply)[:_MOST_ENTRIES]:
-        if isinstance(name, str) and name in table.rows:
-            reply.keep.add(table.rows[name].key)
-        else:
-            reply.dropped += 1
-    reply.keep -= set(reply.entries)
+    kept = _list(raw.get("keep"), reply)[:_MOST_ENTRIES]
+    known = [table.rows[name].key for name in kept if isinstance(name, str) and name in table.rows]
+    reply.dropped += len(kept) - len(known)
+    reply.keep = set(known) - set(reply.entries)
     return reply
 
 
 def _objects(raw: Any, table: AliasTable, reply: Reply) -> list[PromptObject]:
     objects = []
-    names = {t.id: i.owner for t in table.aliases for n, i in table.rows.items() if n.startswith(f"{t.id}/")}
+    names = {alias.id: alias.name for alias in table.aliases}
     for item in _list(raw, reply)[:_MOST_OBJECTS]:
         region = item.get("region") if isinstance(item, dict) else None
         if region not in REGIONS:
@@ -92,8 +87,8 @@ def _objects(raw: Any, table: AliasTable, reply: Reply) -> list[PromptObject]:
         given, worn = item.get("attributes"), item.get("materials")
         given = given if isinstance(given, dict) else {}
         attributes = {slot: words for slot in SLOTS if (words := clean(given.get(slot), _CAPTION))}
-        worn = [m for m in worn if isinstance(m, str)] if isinstance(worn, list) else []
-        owners = tuple(names[m] for m in worn if m in names)
+        worn = worn if isinstance(worn, list) else []
+        owners = tuple(names[m] for m in worn if isinstance(m, str) and m in names)
         objects.append(PromptObject(clean(item.get("name"), _WORD) or region, region, attributes, owners))
     return objects
 
@@ -131,8 +126,7 @@ def _add_entry(item: Any, table: AliasTable, reply: Reply) -> None:
     if instance is None or instance.key in reply.entries:
         reply.dropped += 1
         return
-    count = instance.parameter.components
-    ends = [_numbers(item.get(side), count) for side in ("lower", "upper")]
+    ends = [_numbers(item.get(side), instance.parameter.components) for side in ("lower", "upper")]
     lower, upper = (e if e is not None else o for e, o in zip(ends, reversed(ends), strict=True))
     if lower is None or upper is None:
         reply.dropped += 1
@@ -147,7 +141,7 @@ def _add_entry(item: Any, table: AliasTable, reply: Reply) -> None:
     priority = item.get("priority")
     number = priority if isinstance(priority, int) and not isinstance(priority, bool) else 5
     reason = clean(item.get("reason"), _REASON) or "part of the look"
-    reply.entries[instance.key] = PlanEntry(*wide, min(max(number, 1), _LAST), f"model: {reason}", prior=0.0)
+    reply.entries[instance.key] = PlanEntry(*wide, min(max(number, 1), 99), f"model: {reason}", prior=0.0)
 
 
 def widened(instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
@@ -170,15 +164,10 @@ def widened(instance: Instance, lower: Values, upper: Values) -> tuple[Values, V
 def _numbers(raw: Any, count: int) -> Values | None:
     """`count` finite numbers, given one by one or as a single one for all; None for anything else."""
     given = raw if isinstance(raw, list) else [raw]
-    if len(given) == 1:
-        given = given * count
-    if len(given) != count:
-        return None
-    try:
-        values = tuple(float(v) for v in given if isinstance(v, int | float) and not isinstance(v, bool))
-    except OverflowError:
-        return None
-    return values if len(values) == count and all(map(math.isfinite, values)) else None
+    given = given * count if len(given) == 1 else given
+    # type(), because True is an int, too; the comparison is False for NaN, and works for integers of any size.
+    fine = all(type(v) in (int, float) and abs(v) <= sys.float_info.max for v in given)
+    return tuple(map(float, given)) if fine and len(given) == count else None
 
 
 def _texts(raw: Any, longest: int) -> list[str]:
@@ -194,8 +183,6 @@ def _list(raw: Any, reply: Reply) -> list[Any]:
 
 
 _MODEL = "the model"  # stands in reports for the word, where a model asks for something
-_KEEPS = "model: keeps the artist's value"
-_COLORS = {"subject": "color", "surroundings": "surroundings_color"}  # region -> quantity of its color
 _PATIENCE = 2  # rounds in a row without an answer, after which the model is not asked any more
 
 
@@ -215,9 +202,8 @@ class ModelAdvisor:
         self._offline = OfflineAdvisor(goals, light)
         self._caption = ""  # the model's last caption of the look, whose words the vocabulary may know
         self._failures: list[str] = []
-        self._in_a_row = 0
-        self._given_up = False
-        self._counts = {"clipped": 0, "mended": 0, "dropped": 0, "missing": 0}
+        self._in_a_row = 0  # failures without a success in between
+        self._counts = dict.fromkeys(("clipped", "mended", "dropped", "missing"), 0)
 
     def advise(self, display: Any, instances: Mapping[str, Instance], context: SceneDescription) -> Advice:
         """The model's advice, else the offline planner's; raises VibeError if neither understands. `display`: (H, W, 3)."""
@@ -226,32 +212,32 @@ class ModelAdvisor:
             unknown: VibeError | None = None
         except VibeError as error:
             draft, unknown = None, error
-        if self._given_up:
-            return self._alone(draft, unknown, instances, context, self._failures[-1])
-        try:
-            reply = self._ask(display, instances, context, draft)
-        except ModelError as error:
-            self._failures.append(str(error))
-            self._in_a_row += 1
-            self._given_up = error.lasting or self._in_a_row == _PATIENCE
-            rest = "the rest is" if self._given_up else "this round is"
-            self._tell(f"{error.message} So {rest} planned offline")
-            return self._alone(draft, unknown, instances, context, str(error))
-        self._in_a_row = 0
-        self._caption = reply.prompts.whole or self._caption
-        return self._combine(draft, reply, instances, context)
+        if self._in_a_row < _PATIENCE:
+            try:
+                reply = self._ask(display, instances, context, draft)
+                self._in_a_row, self._caption = 0, reply.prompts.whole or self._caption
+                return self._combine(draft, reply, instances, context)
+            except ModelError as error:
+                self._failures.append(str(error))
+                self._in_a_row = _PATIENCE if error.lasting else self._in_a_row + 1
+                rest = "this round is" if self._in_a_row < _PATIENCE else "the rest is"
+                self._tell(f"{error.message} So {rest} planned offline")
+        # Without the model: the draft, or the model's earlier caption as the vocabulary reads it
+        why = self._failures[-1]
+        if unknown is not None:
+            parsed = self._read(self._caption)
+            if not parsed.attributes:
+                raise VibeError(f"{unknown.message} And the model did not help: {why}", unknown.remedy) from unknown
+            goals = goals_of(parsed)
+            draft = Advice(goals, compose(parsed, goals.overruled), confine(goals, dict(instances), context))
+        assert draft is not None
+        return replace(draft, source=f"offline planner: {why}")
 
     def account(self) -> dict[str, Any]:
         """For report.json: the model, its cost, its failures, and the parts of its answers that were not used."""
-        return {
-            "model": self._client.endpoint.model,
-            "endpoint": self._client.endpoint.place,
-            "pictures": self._client.dialect.pictures,
-            "format": self._client.dialect.format,
-            **self._client.usage.account(),
-            "failures": self._failures,
-            **self._counts,
-        }
+        model, dialect = self._client.endpoint, self._client.dialect
+        asked = {"model": model.model, "endpoint": model.place, "pictures": dialect.pictures, "format": dialect.format}
+        return {**asked, **self._client.usage.account(), "failures": self._failures, **self._counts}
 
     def _ask(
         self, display: Any, instances: Mapping[str, Instance], context: SceneDescription, draft: Advice | None
@@ -280,49 +266,26 @@ class ModelAdvisor:
         ignored = reply.ignored if draft is None else read.parsed.ignored
         parsed = replace(read.parsed, objects=objects, ignored=ignored)
         # The prompt's own words come first, the model's wishes are implied.
-        goals = resolved(parsed, [*read.wishes, *(each.wish for each in read.lost), *_wishes(reply)])
-        composed = compose(read.parsed, read.overruled)
+        wishes = [*read.wishes, *(each.wish for each in read.lost)]
+        for quantity, named in reply.targets.items():
+            word = Attribute(named, "", "mood", "whole", "light", cause=_MODEL)
+            wishes.append(Wish(word, quantity, named, claims=quantities().by_name[quantity].classes[named]))
+        for region, color in reply.colors.items():
+            word = Attribute(hex_from_srgb(color), "", "color", region, region, color=color, cause=_MODEL)
+            wishes.append(Wish(word, "color" if region == "subject" else "surroundings_color"))
+        goals = resolved(parsed, wishes)
         theirs = {name: value for name, value in vars(reply.prompts).items() if value}
-        prompts = replace(composed, **theirs)
+        prompts = replace(compose(read.parsed, read.overruled), **theirs)
         # The model's ranges replace the drafted ones; parameters that it keeps leave the plan.
         drafted = confine(goals, dict(instances), context)
-        kept = {k: PlanEntry.kept(instances[k], _KEEPS) for k in drafted if k in reply.keep}
+        why = "model: keeps the artist's value"
+        kept = {key: PlanEntry.kept(instances[key], why) for key in drafted if key in reply.keep}
         plan = Plan({**drafted, **kept, **reply.entries}, drafted.notes)
         unmeasured = draft.unmeasured if draft else prompts
         return Advice(goals, prompts, plan, unmeasured, self._client.endpoint.model)
-
-    def _alone(
-        self,
-        draft: Advice | None,
-        unknown: VibeError | None,
-        instances: Mapping[str, Instance],
-        context: SceneDescription,
-        why: str,
-    ) -> Advice:
-        """The advice without the model: the draft, or the model's earlier caption as the vocabulary reads it."""
-        if draft is None and self._caption:
-            parsed = self._read(self._caption)
-            if parsed.attributes:
-                goals = goals_of(parsed)
-                prompts = compose(parsed, goals.overruled)
-                draft = Advice(goals, prompts, confine(goals, dict(instances), context))
-        if draft is None:
-            assert unknown is not None
-            problem = f"{unknown.message} And the model did not help: {why}"
-            raise VibeError(problem, unknown.remedy) from unknown
-        return replace(draft, source=f"offline planner: {why}")
 
     def _read(self, caption: str) -> Parsed:
         try:
             return replace(parse(caption, self._words), prompt=self._prompt)
         except VibeError:
             return Parsed(self._prompt, objects=[PromptObject("subject", "subject")])
-
-
-def _wishes(reply: Reply) -> Iterator[Wish]:
-    for quantity, named in reply.targets.items():
-        word = Attribute(named, "", "mood", "whole", "light", cause=_MODEL)
-        yield Wish(word, quantity, named, claims=quantities().by_name[quantity].classes[named])
-    for region, color in reply.colors.items():
-        word = Attribute(hex_from_srgb(color), "", "color", region, region, color=color, cause=_MODEL)
-        yield Wish(word, _COLORS[region])

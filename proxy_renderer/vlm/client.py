@@ -34,20 +34,16 @@ _SMALLEST, _LARGEST = 384, 1536  # pixels of the longer side: sizes that models 
 def jpeg_of(picture: Tensor | Image.Image) -> bytes:
     """A small JPEG of a display-referred tensor (H, W, 3) in [0, 1], or of a PIL image."""
     if not isinstance(picture, Image.Image):
-        data = (picture.detach().cpu().numpy().clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
-        picture = Image.fromarray(data)
+        picture = Image.fromarray((picture.detach().cpu().numpy().clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8))
     longest = max(picture.size)
     factor = min(max(longest, _SMALLEST), _LARGEST) / longest
-    size = tuple(max(round(n * factor), 1) for n in picture.size)
-    if size != picture.size:
-        picture = picture.resize((size[0], size[1]), Image.Resampling.LANCZOS)
+    width, height = (max(round(n * factor), 1) for n in picture.size)
     file = io.BytesIO()
-    picture.convert("RGB").save(file, "JPEG", quality=90)
+    picture.resize((width, height), Image.Resampling.LANCZOS).convert("RGB").save(file, "JPEG", quality=90)
     return file.getvalue()
 
 
 _FORMATS = ("json_schema", "json_object", "text")
-_MOST_TOKENS = 8192  # a plan has one or two thousand; the rest is for models that think first
 _TEMPERATURE = re.compile(r"temperature", re.IGNORECASE)
 _LIMIT = re.compile(r"max_(completion_)?tokens", re.IGNORECASE)
 _FORMAT = re.compile(r"response_format|json_schema|json_object|schema|grammar|structured|json mode", re.IGNORECASE)
@@ -95,33 +91,26 @@ class Dialect:
         if self._temperature:
             body["temperature"] = 0
         if self._limit:
-            body[self._limit] = _MOST_TOKENS
+            body[self._limit] = 8192  # a plan has one or two thousand; the rest is for models that think first
         messages = [{"role": "system", "content": system}, {"role": "user", "content": content}, *earlier]
         return {**body, "messages": messages}
 
     def give_up(self, complaint: str, question: Question) -> bool:
         """Leaves out the option that the server's complaint is about; False if nothing more can be left out."""
+        formats = question.schema is not None and self.format != "text"
+        pictures = question.picture is not None and self.pictures and not question.must_see
+        of_picture = _PICTURE.search(complaint) and not _FORMAT.search(complaint)
         if _TEMPERATURE.search(complaint) and self._temperature:
             self._temperature = False
-            return True
-        if _LIMIT.search(complaint) and self._limit:
+        elif _LIMIT.search(complaint) and self._limit:
             self._limit = "max_tokens" if self._limit == "max_completion_tokens" else ""
-            return True
-        formats = question.schema is not None and self.format != "text"
-        pictures = question.picture is not None and self.pictures
-        of_picture = _PICTURE.search(complaint) and not _FORMAT.search(complaint)
-        if pictures and not question.must_see and (of_picture or not formats):
+        elif pictures and (of_picture or not formats):
             self.pictures = False
-            return True
-        if formats:
+        elif formats:
             self.format = _FORMATS[_FORMATS.index(self.format) + 1]
-            return True
-        return False
-
-    @staticmethod
-    def about(complaint: str) -> bool:
-        """True if a server error's words refuse a part of the request."""
-        return bool(complaint) and any(p.search(complaint) for p in (_TEMPERATURE, _LIMIT, _FORMAT, _PICTURE))
+        else:
+            return False
+        return True
 
 
 _MOST = 500  # most answers that are kept; the least recently used are deleted
@@ -132,15 +121,6 @@ class Cache:
 
     def __init__(self, folder: Path | None = None) -> None:
         self.folder = folder or cache_folder("vlm")
-
-    @staticmethod
-    def key(*parts: Any) -> str:
-        """A hash of JSON values and bytes, as a file name."""
-        digest = hashlib.sha256()
-        for part in parts:
-            raw = part if isinstance(part, bytes) else json.dumps(part, sort_keys=True).encode()
-            digest.update(len(raw).to_bytes(8, "big") + raw)
-        return digest.hexdigest()
 
     def read(self, key: str) -> Any:
         """An answer, or None."""
@@ -159,13 +139,10 @@ class Cache:
             with atomic.replacing(self.folder / f"{key}.json") as part:
                 part.touch(mode=0o600)
                 part.write_text(json.dumps({"answer": answer}), encoding="utf-8")
-            files = sorted(self.folder.glob("*.json"), key=lambda p: p.stat().st_mtime)
-            for path in files[:-_MOST]:
+            for path in sorted(self.folder.glob("*.json"), key=lambda p: p.stat().st_mtime)[:-_MOST]:
                 path.unlink(missing_ok=True)
 
 
-_VERSION = 1  # of the questions and the reading of answers; a new one invalidates the cache
-_REFUSALS = 8  # requests that a server may refuse before it counts as useless
 _AGAIN = "That was not what was asked for. Reply exactly in the form that was asked for, and with nothing else."
 
 
@@ -179,6 +156,15 @@ class Usage:
     written: int = 0  # tokens of all answers
     seconds: float = 0.0  # time spent waiting
     cost: float | None = None  # US dollars; None if neither the server nor VIBE_VLM_PRICE gives a price
+
+    def add(self, answer: Completion, prices: tuple[float, float] | None) -> None:
+        """Counts an answer; `prices` as in `Endpoint`."""
+        self.read, self.written = self.read + answer.read, self.written + answer.written
+        cost = answer.cost
+        if cost is None and prices:
+            cost = (answer.read * prices[0] + answer.written * prices[1]) / 1e6
+        if cost is not None:
+            self.cost = (self.cost or 0.0) + cost
 
     def account(self) -> dict[str, Any]:
         """For report.json."""
@@ -202,20 +188,20 @@ class Client:
         self.usage = Usage()
         self.dialect = Dialect()
 
-    def ask(self, question: Question, check: Callable[[Any], object] | None = None, fresh: bool = False) -> Any:
+    def ask(self, question: Question, check: Callable[[Any], object] = bool, fresh: bool = False) -> Any:
         """The answer: an object if there is a schema, else text. If `check` raises ModelError, the model is asked once more."""
         point = self.endpoint
-        asked = (question.system, question.text, question.schema, question.picture or b"")
-        key = Cache.key(_VERSION, point.url, point.model, *asked)
+        # The number is the version of questions and answers: another one invalidates the cache.
+        asked = [1, point.url, point.model, question.system, question.text, question.schema]
+        key = hashlib.sha256(json.dumps(asked, sort_keys=True).encode() + (question.picture or b"")).hexdigest()
         if not fresh and (cached_answer := self._cache.read(key)) is not None:
             self.usage.cached += 1
             return cached_answer
         if question.must_see and not self.dialect.pictures:
-            remedy = "Use a vision-language model."
-            raise ModelError(f"The model {point.model} does not see pictures.", remedy)
+            raise ModelError(f"The model {point.model} does not see pictures.", "Use a vision-language model.")
         start = time.monotonic()
         try:
-            answer = self._converse(question, check or (lambda answer: None), start + point.seconds)
+            answer = self._converse(question, check, start + point.seconds)
         finally:
             self._transport.close()
             self.usage.seconds += time.monotonic() - start
@@ -224,7 +210,7 @@ class Client:
 
     def _converse(self, question: Question, check: Callable[[Any], object], end: float) -> Any:
         """Asks, and once more if the answer cannot be read or `check` refuses it; `end` is a monotonic time."""
-        earlier: list[dict[str, Any]] = []
+        earlier: list[dict[str, Any]] = []  # unreadable answer and complaint about it
         while True:
             answer = self._speak(question, earlier, end)
             text = scrub(answer.text, self.endpoint.key)
@@ -232,9 +218,8 @@ class Client:
                 if answer.cut:
                     remedy = "Use a model with more context, or one that thinks less."
                     raise ModelError("The model's answer was cut off.", remedy)
-                reading: Any = text
-                if question.schema is not None:
-                    reading = scrub(find_object(text, question.schema["properties"]), self.endpoint.key)
+                schema = question.schema
+                reading = scrub(find_object(text, schema["properties"]), self.endpoint.key) if schema else text
                 check(reading)
                 return reading
             except ModelError:
@@ -244,26 +229,18 @@ class Client:
 
     def _speak(self, question: Question, earlier: list[dict[str, Any]], end: float) -> Completion:
         """One answer; leaves out options until the server accepts the request. `end` is a monotonic time."""
-        for _ in range(_REFUSALS):
+        for _ in range(8):  # refusals, until the server counts as useless
             body = self.dialect.body(self.endpoint.model, question, earlier)
             try:
                 self.usage.calls += 1
                 answer = self._transport.post(body, max(end - time.monotonic(), 0.1))
-                self._count(answer)
+                self.usage.add(answer, self.endpoint.prices)
                 return answer
             except ModelError as error:
-                broken = error.broken and not self.dialect.about(error.complaint)
-                final = error.lasting or not error.complaint or broken
-                if final or not self.dialect.give_up(error.complaint, question):
+                words = error.complaint
+                # A server that fails with words about a part of the request refuses that part.
+                broken = error.broken and not any(p.search(words) for p in (_TEMPERATURE, _LIMIT, _FORMAT, _PICTURE))
+                if error.lasting or not words or broken or not self.dialect.give_up(words, question):
                     raise
         remedy = "Use another model."
         raise ModelError(f"{self.endpoint.place} refuses everything that it is asked.", remedy, lasting=True)
-
-    def _count(self, answer: Completion) -> None:
-        use, prices = self.usage, self.endpoint.prices
-        use.read, use.written = use.read + answer.read, use.written + answer.written
-        cost = answer.cost
-        if cost is None and prices:
-            cost = (answer.read * prices[0] + answer.written * prices[1]) / 1e6
-        if cost is not None:
-            use.cost = (use.cost or 0.0) + cost

@@ -4,6 +4,7 @@
 import ipaddress
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from urllib.parse import urlsplit
 
@@ -30,12 +31,9 @@ class Endpoint:
     def local(self) -> bool:
         """True if its URL stays on this computer (a loopback address)."""
         host = urlsplit(self.url).hostname or ""
-        if host == "localhost" or host.endswith(".localhost"):
-            return True
-        try:
+        with suppress(ValueError):
             return ipaddress.ip_address(host).is_loopback
-        except ValueError:
-            return False
+        return host == "localhost" or host.endswith(".localhost")
 
     @property
     def place(self) -> str:
@@ -46,14 +44,12 @@ class Endpoint:
 def find_endpoint(options: Options, key: str = "", environment: Mapping[str, str] | None = None) -> Endpoint | None:
     """The model to ask, or None: no model is asked unless one is named.
 
-    Options override the environment: VIBE_VLM_MODEL, VIBE_VLM_URL (else OPENAI_BASE_URL, else
-    OpenAI's), VIBE_VLM_KEY, VIBE_VLM_TIMEOUT (seconds) and VIBE_VLM_PRICE ("2.5/10", US dollars per
-    million tokens read/written). OPENAI_API_KEY is sent only to OPENAI_BASE_URL, or to OpenAI if
-    that is not set. A `vlm_model` of "off" means none, whatever the environment says. `key` is that of
-    the add-on's preferences, "" for the environment's.
+    Options override the environment: VIBE_VLM_MODEL, VIBE_VLM_URL (else OPENAI_BASE_URL, else OpenAI's), VIBE_VLM_KEY, VIBE_VLM_TIMEOUT
+    (seconds) and VIBE_VLM_PRICE ("2.5/10", US dollars per million tokens read/written). OPENAI_API_KEY is sent only to
+    OPENAI_BASE_URL, or to OpenAI if that is not set. A `vlm_model` of "off" means none, whatever the environment says. `key` is that
+    of the add-on's preferences, "" for the environment's.
 
-    Raises VibeError for an invalid URL, key, time limit or price, a missing key, or another computer while Blender's
-    online access is off.
+    Raises VibeError for an invalid URL, key, time limit or price, a missing key, or another computer while Blender is offline.
     """
     env = os.environ if environment is None else environment
     model = (options.vlm_model or env.get("VIBE_VLM_MODEL", "")).strip()
@@ -74,8 +70,7 @@ def find_endpoint(options: Options, key: str = "", environment: Mapping[str, str
     endpoint = Endpoint(model, url, key, _seconds(env.get("VIBE_VLM_TIMEOUT", "")), _prices(env))
     if not options.online and not endpoint.local:
         remedy = "Allow it in Preferences > System > Network, or use a model on this computer."
-        problem = f"Blender's online access is off, and the model {model} is at {endpoint.place}."
-        raise VibeError(problem, remedy)
+        raise VibeError(f"Blender's online access is off, and the model {model} is at {endpoint.place}.", remedy)
     return endpoint
 
 
@@ -94,10 +89,9 @@ def _check(url: str) -> None:
 
 
 def _seconds(text: str) -> float:
-    try:
+    seconds = 0.0
+    with suppress(ValueError):
         seconds = float(text or _SECONDS)
-    except ValueError:
-        seconds = 0.0
     if not 1.0 <= seconds <= 3600.0:
         raise VibeError(f"VIBE_VLM_TIMEOUT {text[:20]!r} is no time limit.", "Use 1 to 3600 seconds.")
     return seconds

@@ -78,14 +78,9 @@ def instructions(names: Sequence[str], rows: tuple[str, str] = ROWS) -> str:
 
 
 def read_verdict(text: str, rows: tuple[str, str] = ROWS) -> Verdict:
-    r"""Reads a verdict; bold marks, a colon for the equals sign and other lines are tolerated.
+    """Reads a verdict; bold marks, a colon for the equals sign and other lines are tolerated.
 
-    Raises:
-        ModelError: The answer names no winner, or more than one.
-
-    Example:
-        >>> read_verdict("**WINNER: Ours**\nREASON = softer light").winner
-        'OURS'
+    Raises ModelError if the answer does not name exactly one winner.
     """
     plain = text.rpartition("</think>")[2].replace("*", "").replace("`", "")
     options = "|".join(re.escape(name.upper()) for name in (*rows, "TIE"))
@@ -105,19 +100,17 @@ def figure(columns: Sequence[Column], rows: tuple[str, str] = ROWS) -> Image.Ima
     height = top + 2 * (_CELL + _MARGIN) + _LINE * max(map(len, lines)) + _MARGIN
     sheet = Image.new("RGB", (width, height), _PAPER_COLOR)
     draw = ImageDraw.Draw(sheet)
-    for row, name in enumerate(rows):
-        y = top + row * (_CELL + _MARGIN)
+    tops = top, top + _CELL + _MARGIN  # of the rows
+    for name, y in zip(rows, tops, strict=True):
         draw.text((left / 2, y + _CELL / 2), name, _FAINT, font, anchor="mm")
-        for index, column in enumerate(columns):
-            whole = (column.top, column.bottom)[row].convert("RGB")
-            picture = ImageOps.contain(whole, (_CELL, _CELL), Image.Resampling.LANCZOS)
-            x = left + index * (_CELL + _MARGIN)
+    for index, column in enumerate(columns):
+        x = left + index * (_CELL + _MARGIN)
+        for whole, y in zip((column.top, column.bottom), tops, strict=True):
+            picture = ImageOps.contain(whole.convert("RGB"), (_CELL, _CELL), Image.Resampling.LANCZOS)
             sheet.paste(picture, (x + (_CELL - picture.width) // 2, y + (_CELL - picture.height) // 2))
-    for index, text in enumerate(lines):
-        middle = left + index * (_CELL + _MARGIN) + _CELL / 2
-        for number, line in enumerate(text):
+        for number, line in enumerate(lines[index]):
             below = top + 2 * (_CELL + _MARGIN) + (number + 0.5) * _LINE
-            draw.text((middle, below), line, _INK, small, anchor="mm")
+            draw.text((x + _CELL / 2, below), line, _INK, small, anchor="mm")
     return sheet
 
 
@@ -125,9 +118,7 @@ def _wrapped(text: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont) -> l
     """Lines that fit under a column; at most eight."""
     lines = [""]
     for word in clean(text, 1000).split():
-        longer = f"{lines[-1]} {word}".strip()
-        if font.getlength(longer) <= _CELL or not lines[-1]:
-            lines[-1] = longer
-        else:
-            lines.append(word)
+        if lines[-1] and font.getlength(f"{lines[-1]} {word}") > _CELL:
+            lines.append("")
+        lines[-1] = f"{lines[-1]} {word}".strip()
     return lines[:8]

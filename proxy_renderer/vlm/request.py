@@ -2,7 +2,7 @@
 """The question of a round: the parameters that a model may plan, under short names, and the JSON schema of its answer."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +17,6 @@ from .client import Question
 from .transport import clean
 
 _LIGHTS, _MATERIALS = 8, 10  # most of them in a question, which has to fit into small contexts
-_LONGEST_NAME = 60
 
 
 @dataclass(frozen=True)
@@ -37,29 +36,20 @@ class AliasTable:
     def __init__(self, instances: Mapping[str, Instance], context: SceneDescription) -> None:
         self._camera = context.camera_azimuth
         free = [i for i in instances.values() if not i.locked]
-        owners = {
-            group: list(dict.fromkeys((i.owner, i.role) for i in free if i.parameter.group == group))
-            for group in ("material", "light")
-        }
-        share = context.material_share
-        materials = sorted(owners["material"], key=lambda o: (o[1] != "subject", -share.get(o[0], 0.0), o))
-        lights = sorted(owners["light"], key=lambda o: (o[1] != "key", o))
         self.aliases: list[Alias] = []  # lights and materials that have a row
-        ids: dict[tuple[str, str], str] = {}
-        for group, chosen in (("material", materials[:_MATERIALS]), ("light", lights[:_LIGHTS])):
-            for number, (owner, role) in enumerate(chosen, 1):
-                ids[group, owner] = f"{group}{number}"
-                known = share.get(owner) if group == "material" else None
+        heads: dict[tuple[str, str], str] = {}  # group and owner -> first part of a parameter's name
+        for group, most, first in (("material", _MATERIALS, "subject"), ("light", _LIGHTS, "key")):
+            share = context.material_share if group == "material" else {}
+            owners = {(i.owner, i.role) for i in free if i.parameter.group == group}
+            ranked = sorted(owners, key=lambda o: (o[1] != first, -share.get(o[0], 0.0), o))
+            for number, (owner, role) in enumerate(ranked[:most], 1):
+                heads[group, owner] = f"{group}{number}"
                 kind = context.light(owner).type if group == "light" else ""
-                self.aliases.append(Alias(ids[group, owner], owner[:_LONGEST_NAME], role, known, kind))
+                self.aliases.append(Alias(f"{group}{number}", owner, role, share.get(owner), kind))
         self.rows: dict[str, Instance] = {}  # name in questions and answers -> instance
-        for instance in free:
-            group, owner = instance.parameter.group, instance.owner
-            head = ids.get((group, owner)) if owner else group
-            if head:
-                self.rows[f"{head}/{instance.parameter.name}"] = instance
-        # key -> name in questions, the inverse of `rows`
-        self.names = {i.key: name for name, i in self.rows.items()}
+        for i in free:
+            if head := heads.get((i.parameter.group, i.owner)) if i.owner else i.parameter.group:
+                self.rows[f"{head}/{i.parameter.name}"] = i
 
     def shown(self, instance: Instance, values: Values) -> Values:
         """Values as a model sees them: colors as sRGB, light directions relative to the camera, -180 up to 180 degrees."""
@@ -98,10 +88,8 @@ def _is_direction(instance: Instance) -> bool:
 
 
 SLOTS = ("color", "material", "lighting", "style", "mood", "shape")  # of an object (the paper's section 3.5)
-
 REGIONS = ("subject", "surroundings")
 CAPTIONS = (*REGIONS, "whole")
-_DIGITS = 4
 
 SYSTEM = """\
 You are the lighting and look-development artist of a 3-D scene in Blender. You see its current render and one JSON \
@@ -157,35 +145,28 @@ def make_question(
 
 def answer_schema(table: AliasTable) -> dict[str, Any]:
     """The JSON schema of an answer, with only the keywords that all servers' strict modes know: no bounds, no patterns."""
-    names = list(table.rows)
+
+    def one_of(choices: Iterable[str]) -> dict[str, Any]:
+        return {"type": "string", "enum": list(choices)}
+
+    def many(items: dict[str, Any]) -> dict[str, Any]:
+        return {"type": "array", "items": items}
+
+    text, numbers, key = {"type": "string"}, many({"type": "number"}), one_of(table.rows)
     materials = [a.id for a in table.aliases if a.id.startswith("material")]
-    region = {"type": "string", "enum": list(REGIONS)}
-    text = {"type": "string"}
-    texts = {"type": "array", "items": text}
-    key = {"type": "string", "enum": names}
-    numbers = {"type": "array", "items": {"type": "number"}}
-    captions = dict.fromkeys(CAPTIONS, text)
-    targets = {
-        name: {"type": "string", "enum": [*quantity.classes, ""]}
-        for name, quantity in quantities().by_name.items()
-        if quantity.classes
-    }
-    thing = json_object(
-        name=text,
-        region=region,
-        materials={"type": "array", "items": {"type": "string", "enum": materials} if materials else text},
-        attributes=json_object(**dict.fromkeys(SLOTS, text)),
-    )
-    number = {"type": "integer"}
-    entry = json_object(parameter=key, lower=numbers, upper=numbers, priority=number, reason=text)
+    worn, slots = many(one_of(materials) if materials else text), json_object(**dict.fromkeys(SLOTS, text))
+    thing = json_object(name=text, region=one_of(REGIONS), materials=worn, attributes=slots)
+    entry = json_object(parameter=key, lower=numbers, upper=numbers, priority={"type": "integer"}, reason=text)
+    captions, negatives = dict.fromkeys(CAPTIONS, text), {f"{name}_negatives": many(text) for name in CAPTIONS}
+    classes = {name: quantity.classes for name, quantity in quantities().by_name.items() if quantity.classes}
     return json_object(
-        objects={"type": "array", "items": thing},
-        prompts=json_object(**captions, **{f"{name}_negatives": texts for name in captions}),
-        targets=json_object(**targets),
+        objects=many(thing),
+        prompts=json_object(**captions, **negatives),
+        targets=json_object(**{name: one_of([*named, ""]) for name, named in classes.items()}),
         colors=json_object(**dict.fromkeys(REGIONS, text)),
-        ignored=texts,
-        plan={"type": "array", "items": entry},
-        keep={"type": "array", "items": key},
+        ignored=many(text),
+        plan=many(entry),
+        keep=many(key),
     )
 
 
@@ -213,11 +194,11 @@ def _row(name: str, table: AliasTable, context: SceneDescription, plan: Plan) ->
     instance = table.rows[name]
     now = table.shown(instance, context.values.get(instance.key, instance.value))
     low, high = table.bounds(instance)
-    row: dict[str, Any] = {"now": _numbers(now), "min": _number(low), "max": _number(high)}
+    row: dict[str, Any] = {"now": [*map(_number, now)], "min": _number(low), "max": _number(high)}
     entry = plan.get(instance.key)
     if entry is not None and entry.priority is not None:
-        ends = (_numbers(table.shown(instance, end)) for end in (entry.lower, entry.upper))
-        row["draft"] = {"range": list(ends), "priority": entry.priority, "why": clean(entry.reason, 120)}
+        ends = [[*map(_number, table.shown(instance, end))] for end in (entry.lower, entry.upper)]
+        row["draft"] = {"range": ends, "priority": entry.priority, "why": clean(entry.reason, 120)}
     return row
 
 
@@ -225,17 +206,13 @@ def _measured(context: SceneDescription) -> dict[str, Any]:
     """Measures of the current image, for models that see images badly or not at all."""
     if context.picture is None:
         return {}
-    colors = context.picture.lab.items()
-    figures: dict[str, Any] = {f"{r}_mean_color": hex_from_srgb(srgb_from_lab(lab)) for r, lab in colors}
+    lab = context.picture.lab
+    figures: dict[str, Any] = {f"{region}_mean_color": hex_from_srgb(srgb_from_lab(lab[region])) for region in lab}
     if percentiles := context.picture.percentiles:
-        names = ("darkest_5_percent", "median", "brightest_5_percent")
-        figures |= {f"lightness_{n}": round(v) for n, v in zip(names, percentiles, strict=True)}
+        names = "lightness_darkest_5_percent", "lightness_median", "lightness_brightest_5_percent"
+        figures |= dict(zip(names, map(round, percentiles), strict=True))
     return figures
 
 
-def _numbers(values: tuple[float, ...]) -> list[float]:
-    return [_number(v) for v in values]
-
-
 def _number(value: float) -> float:
-    return float(f"{value:.{_DIGITS}g}")
+    return float(f"{value:.4g}")

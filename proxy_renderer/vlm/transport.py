@@ -8,31 +8,28 @@ import threading
 import time
 import unicodedata
 from collections.abc import Callable, Collection
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 from ..schema import VibeError
 from .endpoint import OPENAI, Endpoint
 
-_SECRET = 12  # characters; a shorter key is not scrubbed, real ones have 20 or more
-_TRIES = 200  # most opening braces in a text at which the object is looked for
-
 
 def find_object(text: str, names: Collection[str]) -> dict[str, Any]:
     """The JSON object in a model's text that has one of these names. Raises ModelError if there is none."""
+
+    def refuse(constant: str) -> float:
+        raise ValueError(f"{constant} is not JSON")
+
     text = text.rpartition("</think>")[2]
-    decoder = json.JSONDecoder(parse_constant=_no_number)
-    place = -1
-    for _ in range(_TRIES):
-        place = text.find("{", place + 1)
-        if place < 0:
-            break
-        try:
-            candidate, _ = decoder.raw_decode(text, place)
-        except (ValueError, RecursionError):
-            continue
-        if isinstance(candidate, dict) and any(name in candidate for name in names):
-            return candidate
+    decoder = json.JSONDecoder(parse_constant=refuse)
+    for brace in islice(re.finditer("{", text), 200):
+        with suppress(ValueError, RecursionError):
+            candidate, _ = decoder.raw_decode(text, brace.start())
+            if any(name in candidate for name in names):
+                return candidate
     if not text.strip():
         raise ModelError("The model's answer is empty.", "Use another model.")
     remedy = "Use a larger model, or one that follows a JSON schema."
@@ -40,12 +37,7 @@ def find_object(text: str, names: Collection[str]) -> dict[str, Any]:
 
 
 def clean(text: Any, longest: int) -> str:
-    r"""A model's text for people: one line, without control and direction characters.
-
-    Example:
-        >>> clean("warm\n  light", 40)
-        'warm light'
-    """
+    """A model's text for people: one line, without control and direction characters."""
     if not isinstance(text, str):
         return ""
     shown = "".join(" " if c.isspace() else c for c in text[: 20 * longest])
@@ -54,17 +46,10 @@ def clean(text: Any, longest: int) -> str:
 
 
 def scrub(value: Any, secret: str) -> Any:
-    """A JSON value without a secret in any of its strings: a hostile server could send the key back.
-
-    Args:
-        value: Texts, lists and objects are searched, keys of objects too.
-        secret: The key. A short one, such as the "ollama" that local servers are given, is a word and stays.
-
-    Example:
-        >>> scrub({"error": "wrong key sk-0123456789abcdef"}, "sk-0123456789abcdef")
-        {'error': 'wrong key ***'}
-    """
-    if len(secret) < _SECRET:
+    """A JSON value without a secret in any of its strings and keys: a hostile server could send the key back."""
+    if (
+        len(secret) < 12
+    ):  # a word, such as the "ollama" that local servers are given; real keys have 20 characters or more
         return value
     if isinstance(value, str):
         return value.replace(secret, "***")
@@ -73,10 +58,6 @@ def scrub(value: Any, secret: str) -> Any:
     if isinstance(value, dict):
         return {scrub(k, secret): scrub(v, secret) for k, v in value.items()}
     return value
-
-
-def _no_number(name: str) -> float:
-    raise ValueError(f"{name} is not JSON")
 
 
 class ModelError(VibeError):
@@ -93,7 +74,6 @@ class ModelError(VibeError):
 
 LARGEST = 2_000_000  # bytes of an answer; a plan has a few thousand
 _RETRIES = 3  # after temporary failures; the openai package waits before each as long as the server says
-_TICK = 0.05
 _OVERFULL = re.compile(r"context[ _](length|size|window)|too many tokens|n_ctx", re.IGNORECASE)
 
 
@@ -108,10 +88,6 @@ class Completion:
     cost: float | None = None  # US dollars; None if the server does not say
 
 
-class _TooLong(Exception):
-    pass
-
-
 class Transport:
     """A connection to an endpoint."""
 
@@ -122,8 +98,7 @@ class Transport:
     def post(self, body: dict[str, Any], seconds: float) -> Completion:
         """Sends one request and waits for its answer; every failure, and a stop by the user, raises ModelError.
 
-        The request runs in a thread of its own. So the time limit and the stop work even if the name
-        look-up hangs, or a server sends a byte a minute.
+        The request runs in a thread of its own, so that both limits work if the name look-up hangs, or a server sends a byte a minute.
         """
         client = self._connect()
         box: queue.Queue[Completion | ModelError] = queue.Queue()
@@ -140,20 +115,18 @@ class Transport:
         threading.Thread(target=act, daemon=True).start()
         # Look at the answer, at Stop and at the clock in turn.
         end = time.monotonic() + seconds
-        while True:
+        outcome: Completion | ModelError | None = None
+        while outcome is None:
             try:
-                outcome = box.get(timeout=_TICK)
+                outcome = box.get(timeout=0.05)
             except queue.Empty:
                 if self._stop():
-                    self.close()
-                    raise ModelError("You stopped it.", "", lasting=True) from None
-                if time.monotonic() > end:
-                    self.close()
-                    raise self._late(seconds) from None
-                continue
-            if isinstance(outcome, ModelError):
-                raise outcome
-            return outcome
+                    outcome = ModelError("You stopped it.", "", lasting=True)
+                elif time.monotonic() > end:
+                    outcome = self._late(seconds)
+        if isinstance(outcome, ModelError):
+            raise outcome
+        return outcome
 
     def close(self) -> None:
         """Ends the connection; the next request makes a new one."""
@@ -170,7 +143,8 @@ class Transport:
                 raise ModelError("The openai package cannot be imported.", remedy, lasting=True) from error
             point = self.endpoint
             # A redirect could send the image to another server; a model on this computer needs no proxy.
-            http = _bounded(openai.DefaultHttpxClient)(follow_redirects=False, trust_env=not point.local)
+            client = _bounded(openai.DefaultHttpxClient, point.place)
+            http = client(follow_redirects=False, trust_env=not point.local)
             self._client = openai.OpenAI(
                 base_url=point.url, api_key=point.key or "none", max_retries=_RETRIES, http_client=http
             )
@@ -190,11 +164,14 @@ class Transport:
         if isinstance(error, openai.APITimeoutError):
             return self._late(point.seconds)
         if isinstance(error, openai.APIStatusError):
-            complaint = _complaint(error, point.key)
+            # The server's own words, on one line, without the key
+            body: Any = error.body if isinstance(error.body, dict) else {}
+            inner = body.get("error", body)
+            text = inner.get("message") if isinstance(inner, dict) else inner
+            complaint = clean(scrub(str(text or error.body or ""), point.key), 200).rstrip(". ")
             return explain_status(error.status_code, complaint, error.response.headers, point)
-        if isinstance(error, _TooLong) or isinstance(error.__cause__, _TooLong):
-            remedy = "Check that it is the right endpoint."
-            return ModelError(f"{point.place} sent more than {LARGEST // 10**6} MB.", remedy)
+        if isinstance(error.__cause__, ModelError):  # of `_bounded`
+            return error.__cause__
         if isinstance(error, openai.APIConnectionError):
             why = scrub(" ".join(str(error.__cause__ or "").split())[:120], point.key)
             problem = f"{point.place} cannot be reached{f' ({why})' if why else ''}."
@@ -214,7 +191,8 @@ def read_completion(raw: bytes) -> Completion:
             text = "".join(part.get("text") or "" for part in text)
         if not isinstance(text, str):
             raise TypeError
-        read, written = (_count(usage.get(n)) for n in ("prompt_tokens", "completion_tokens"))
+        counts = (usage.get(name) for name in ("prompt_tokens", "completion_tokens"))
+        read, written = (n if isinstance(n, int) and 0 <= n < 10**9 else 0 for n in counts)
         cost = usage.get("cost")
         cost = float(cost) if isinstance(cost, int | float) and 0 <= cost < 1e6 else None
         return Completion(text, choice.get("finish_reason") == "length", read, written, cost)
@@ -236,8 +214,7 @@ def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> 
         what, remedy = f"wants to be paid{more}", "Check the account's balance."
     elif _OVERFULL.search(complaint):
         remedy = "Give the model more context: 16384 tokens are enough (Ollama: OLLAMA_CONTEXT_LENGTH=16384)."
-        problem = f"The scene does not fit into the context of {point.model}{more}."
-        return ModelError(problem, remedy, lasting=True)
+        return ModelError(f"The scene does not fit into the context of {point.model}{more}.", remedy, lasting=True)
     elif 300 <= code < 400:
         what, remedy = f"sends us elsewhere (HTTP {code})", "Name the final base URL."
     elif code == 429:
@@ -254,19 +231,7 @@ def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> 
     return ModelError(f"{point.place} {what}.", remedy, lasting, broken, complaint)
 
 
-def _complaint(error: Any, key: str) -> str:
-    """The server's own words, on one line, without the key."""
-    body = error.body if isinstance(error.body, dict) else {}
-    inner = body.get("error", body)
-    text = inner.get("message") if isinstance(inner, dict) else inner
-    return clean(scrub(str(text or error.body or ""), key), 200).rstrip(". ")
-
-
-def _count(value: Any) -> int:
-    return value if isinstance(value, int) and 0 <= value < 10**9 else 0
-
-
-def _bounded(base: Any) -> Any:
+def _bounded(base: Any, place: str) -> Any:
     """An HTTP client that reads no more than LARGEST bytes of any answer, errors included."""
 
     class Bounded(base):
@@ -278,7 +243,8 @@ def _bounded(base: Any) -> Any:
                 for chunk in response.iter_bytes():
                     body += chunk
                     if len(body) > LARGEST:
-                        raise _TooLong
+                        problem = f"{place} sent more than {LARGEST // 10**6} MB."
+                        raise ModelError(problem, "Check that it is the right endpoint.")
             finally:
                 response.close()
             dropped = ("content-encoding", "content-length", "transfer-encoding")

@@ -8,11 +8,10 @@ import torch
 from loop_parts import Silent, search_for
 
 from proxy_renderer.color.tensors import lab_from_srgb
-from proxy_renderer.optimize.air_exposure import DENSITY, EXPOSURE, exposed_through_air
-from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
+from proxy_renderer.optimize.rounds.confiner import RoundStart
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.optimize.stage import set_stage
-from proxy_renderer.optimize.vector import start_point
+from proxy_renderer.optimize.vector import DENSITY, EXPOSURE, exposed_through_air, start_point
 from proxy_renderer.planning.types import Plan, PlanEntry
 from proxy_renderer.schema.messages import Options
 
@@ -22,7 +21,7 @@ def planned(scene, vector, encoder, prompt):
     stage = set_stage([scene], prompt)
     views = [ShotInput(shot) for shot in stage.scenes]
     search = search_for(views, prompt, Options(size=64, rounds=1), encoder, Silent(), stage=stage)
-    now = search.confine(RoundStart.at(Start(search.vector.encode({}), search.shots)))
+    now = search.confine(RoundStart(search.vector.encode({}), search.shots))
     return search, now
 
 

@@ -13,7 +13,7 @@ from proxy_renderer.engine.report import claims_about, foreseen
 from proxy_renderer.optimize import pipeline, stage
 from proxy_renderer.optimize.least_squares import fixed_views
 from proxy_renderer.optimize.pipeline import refine
-from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
+from proxy_renderer.optimize.rounds.confiner import RoundStart
 from proxy_renderer.optimize.rounds.search import Missed, Search
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.scene import load_scene
@@ -34,11 +34,11 @@ def search(scene, encoder):
 
 def confined(search):
     home = search.vector.encode({})
-    return search.confine(RoundStart.at(Start(home, search.shots))), home
+    return search.confine(RoundStart(home, search.shots)), home
 
 
 def refined(search):
-    return refine(search, Start(search.vector.encode({}), search.shots))
+    return refine(search, RoundStart(search.vector.encode({}), search.shots))
 
 
 def test_rounds_end_when_the_picture_shows_all_that_the_words_claim(search):
@@ -96,11 +96,11 @@ def test_a_missed_claim_pulls_the_picture_towards_it(search):
     now, home = confined(begun)
     objective = begun.select(now, home).objective
     u = home.clone().requires_grad_()
-    residuals = now.shots[0].residuals(objective.render(u, 0))
+    residuals = now.shots[0].residuals(objective.seen[0].draw(u, objective.free))
     worst = max(residuals, key=lambda r: float(r.detach().norm()))
     worst.square().sum().backward()
     step = home - 0.05 * u.grad / u.grad.norm()
-    nearer = now.shots[0].residuals(objective.render(step, 0))
+    nearer = now.shots[0].residuals(objective.seen[0].draw(step, objective.free))
     assert torch.cat(nearer).norm() < torch.cat(residuals).norm()
 
 
@@ -203,7 +203,7 @@ def test_what_a_model_says_in_a_later_round_reaches_the_loss(search):
     now, _ = confined(begun)
     (shot,) = now.shots
     first, claims = shot.guidance, shot.claims.claims
-    again = replace(RoundStart.at(Start(now.u, now.shots)), earlier=now.plan)
+    again = replace(RoundStart(now.u, now.shots), earlier=now.plan)
     assert begun.confine(again).shots[0].guidance is first  # the same words
     advisor = begun.confiner.advisor
 

@@ -7,7 +7,7 @@ from loop_parts import Silent, search_for
 
 from proxy_renderer.optimize import objective as objectives
 from proxy_renderer.optimize.objective import backward_slopes, forward_slopes, gradients, pictures_for
-from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
+from proxy_renderer.optimize.rounds.confiner import RoundStart
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.schema.messages import Options
 
@@ -19,7 +19,7 @@ def begun(scene, encoder):
     """A round's objective, and where it begins."""
     search = search_for([ShotInput(scene)], PROMPT, Options(rounds=1, size=48), encoder, Silent(), None)
     home = search.vector.encode({})
-    now = search.confine(RoundStart.at(Start(home, search.shots)))
+    now = search.confine(RoundStart(home, search.shots))
     return search.select(now, now.u).objective, now
 
 
@@ -70,13 +70,13 @@ def test_backward_passes_together_give_what_they_give_one_by_one(begun, monkeypa
 def test_a_light_that_moves_leaves_nothing_behind(begun):
     objective, now = begun
     with torch.no_grad():
-        before = objective.render(now.u, 0).linear
+        before = objective.seen[0].draw(now.u, objective.free).linear
     moving = {key for key in objective.free if not stands(key)}
     assert moving
     forward, *_ = both(begun, moving)
     assert (forward.values != 0).any()
     with torch.no_grad():
-        assert torch.equal(objective.render(now.u, 0).linear, before)
+        assert torch.equal(objective.seen[0].draw(now.u, objective.free).linear, before)
 
 
 def test_the_cheaper_way_is_taken(begun, monkeypatch):
@@ -105,7 +105,8 @@ def test_what_supports_the_words_is_not_moved_for_a_finish(begun):
     objective, now = begun
     chosen = objective.vector.mark(objective.free) & (now.upper > now.lower)
     supports = objective._supports[chosen]
-    free, held = objective._slopes(now.u, chosen), objective.slopes(now.u, chosen)
+    free = forward_slopes(objective.seen, objective.judge, now.u, chosen, (now.lower, now.upper))
+    held = objective.slopes(now.u, chosen)
     rows = held.here.finish[:, None] & supports
     assert rows.any()
     assert not held.values[rows].any()

@@ -5,8 +5,8 @@ import pytest
 import torch
 from loop_parts import Silent, search_for
 
-from proxy_renderer.optimize.objective import Neighbors, difference_slopes
-from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
+from proxy_renderer.optimize.objective import difference_slopes, neighbors
+from proxy_renderer.optimize.rounds.confiner import RoundStart
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.schema.messages import Options
@@ -21,7 +21,7 @@ def begun(scene, encoder):
     """A round's objective, and where it begins."""
     search = search_for([ShotInput(scene)], PROMPT, Options(rounds=1, size=48), encoder, Silent(), None)
     home = search.vector.encode({})
-    now = search.confine(RoundStart.at(Start(home, search.shots)))
+    now = search.confine(RoundStart(home, search.shots))
     return search.select(now, now.u).objective, now.u
 
 
@@ -38,14 +38,14 @@ def stands(key):
 
 
 def nearby(objective, u, strides):
-    return Neighbors(objective.seen, objective.judge, u, strides)
+    return neighbors(objective.seen, objective.judge, u, strides)
 
 
 @torch.no_grad()
 def test_slopes_are_those_of_whole_pictures(begun):
     objective, u = begun
     chosen, strides = objective.vector.mark(filter(stands, objective.free)), torch.full_like(u, 0.01)
-    ours = difference_slopes(nearby(objective, u, strides).assess, u, chosen, strides)
+    ours = difference_slopes(nearby(objective, u, strides), u, chosen, strides)
     whole = difference_slopes(objective.assess, u, chosen, strides)
     assert (whole.values.norm(dim=0) > 0.1).sum() > 10
     torch.testing.assert_close(ours.values, whole.values, atol=0.05, rtol=0.01)
@@ -60,7 +60,7 @@ def test_a_color_takes_one_picture_and_the_film_none(begun, exposed, kind, pictu
     key = next(key for key, i in vector.instances.items() if i.parameter.family == kind)
     beside = nearby(objective, u, strides)
     exposed.clear()
-    difference_slopes(beside.assess, u, vector.mark([key]), strides)
+    difference_slopes(beside, u, vector.mark([key]), strides)
     assert len(exposed) == pictures
 
 
@@ -68,10 +68,10 @@ def test_a_color_takes_one_picture_and_the_film_none(begun, exposed, kind, pictu
 def test_a_light_that_moves_changes_its_shadows_and_leaves_nothing_behind(begun):
     objective, u = begun
     vector, strides = objective.vector, torch.full_like(u, 0.01)
-    before = objective.render(u, 0).linear.clone()
+    before = objective.seen[0].draw(u, objective.free).linear.clone()
     key = next(key for key, i in vector.instances.items() if i.parameter.family == "light/azimuth")
     beside = nearby(objective, u, strides)
-    moved = beside.assess(u + strides * vector.mark([key])).picture.linear
+    moved = beside(u + strides * vector.mark([key])).picture.linear
     assert (moved - before).abs().max() > 1e-3
     objective.seen[0]._last = None
-    assert torch.equal(objective.render(u, 0).linear, before)
+    assert torch.equal(objective.seen[0].draw(u, objective.free).linear, before)

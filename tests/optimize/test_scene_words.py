@@ -9,7 +9,7 @@ import pytest
 
 from lab.bench.scenes import balls
 from proxy_renderer.color.shades import basic
-from proxy_renderer.optimize.scene_words import _parts, _Rays, _structures, _walls, described, present_looks
+from proxy_renderer.optimize.scene_facts import _parts, _Rays, _structures, described, present_looks
 
 SCENE = (0.0, 10.0, 0.0)  # from height 0, 10 tall, the subject stands at the bottom
 
@@ -69,8 +69,8 @@ def test_the_only_ground_is_the_table_that_people_say(shelf):
     rays = _Rays(100, number, number, height, slope)
     objects = [SimpleNamespace(subject=n == 1) for n in range(3)]
     found = _structures(SimpleNamespace(objects=objects), rays)
-    assert found["ground"] == 0
-    assert found.get("support") == (None if shelf else 0)
+    assert found["ground"] == [0]
+    assert found.get("support") == (None if shelf else [0])
 
 
 def test_a_hole_in_the_ground_is_not_the_ground():
@@ -79,11 +79,13 @@ def test_a_hole_in_the_ground_is_not_the_ground():
     height, slope = np.array([0.0, 5.0, -4.0])[number], np.array([1.0, 0.0, 1.0])[number]
     rays = _Rays(100, number, number, height, slope)
     objects = [SimpleNamespace(subject=n > 0) for n in range(3)]
-    assert _structures(SimpleNamespace(objects=objects), rays)["ground"] == 0
+    assert _structures(SimpleNamespace(objects=objects), rays)["ground"] == [0]
 
 
 def test_several_walls_are_told_from_the_floor_between_them():
     random = np.random.default_rng(0)
     number = np.repeat([0, 1, 2], 50)
     height = np.where(number == 0, 0.0, random.uniform(0.3, 3.0, 150))
-    assert _walls(_Rays(220, number, number, height, np.where(number < 1, 1.0, 0.0))) == [1, 2]
+    rays = _Rays(220, number, number, height, np.where(number < 1, 1.0, 0.0))
+    objects = [SimpleNamespace(subject=False)] * 3
+    assert _structures(SimpleNamespace(objects=objects), rays)["walls"] == [1, 2]

@@ -7,7 +7,7 @@ import pytest
 from tiny_job import write_job
 
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.optimize.scene_words import described
+from proxy_renderer.optimize.scene_facts import described
 from proxy_renderer.optimize.stage import set_stage
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.scene import load_scene

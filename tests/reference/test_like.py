@@ -18,7 +18,7 @@ from proxy_renderer.claims.from_goals import claims_of
 from proxy_renderer.color.arrays import srgb_from_linear
 from proxy_renderer.goals.resolve import Goals, goals_of
 from proxy_renderer.goals.written import as_json, from_json
-from proxy_renderer.optimize.scene_words import described
+from proxy_renderer.optimize.scene_facts import described
 from proxy_renderer.optimize.shots import picture_size
 from proxy_renderer.planning.advice import OfflineAdvisor
 from proxy_renderer.reference.like import LikeAdvisor, Reference
@@ -127,6 +127,12 @@ def warm(tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("pictures") / "warm.png"
     Image.fromarray(ramp.astype(np.uint8)).save(path)
     return path
+
+
+def test_written_goals_list_statements_of_one_word_once(warm, scene):
+    goals = Goals(Parsed("")).with_picture(reference(warm, scene).wishes(scene.instances.values(), no_view))
+    said = [word["word"] for word in as_json(goals)["words"]]
+    assert len(said) == len(set(said)) > 3
 
 
 def test_colder_is_measured_against_the_picture(warm, scene):

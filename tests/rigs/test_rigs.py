@@ -17,7 +17,7 @@ from proxy_renderer.color.floats import linear_from_srgb as float_linear
 from proxy_renderer.color.tensors import linear_from_srgb
 from proxy_renderer.color.view_transform import ViewTransform
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.optimize.scene_words import described
+from proxy_renderer.optimize.scene_facts import described
 from proxy_renderer.optimize.stage import set_stage
 from proxy_renderer.render.material.inputs import geometry_of
 from proxy_renderer.rigs.chosen import ChosenRig, _under_named_sky, chosen_rig

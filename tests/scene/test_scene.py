@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from tiny_job import write_job
 
-from proxy_renderer.optimize.scene_words import present_looks
+from proxy_renderer.optimize.scene_facts import present_looks
 from proxy_renderer.scene import load_scene
 from proxy_renderer.schema import VibeError
 

@@ -15,7 +15,7 @@ from proxy_renderer.engine.report import changed_values, parameter_records
 from proxy_renderer.goals.resolve import Goals, goals_of, goals_or_why
 from proxy_renderer.guidance.encoder import load_encoder
 from proxy_renderer.optimize import pipeline
-from proxy_renderer.optimize.scene_words import described
+from proxy_renderer.optimize.scene_facts import described
 from proxy_renderer.optimize.shots import ShotInput
 from proxy_renderer.planning.advice import Advice, Prompts
 from proxy_renderer.planning.types import Plan
@@ -269,7 +269,7 @@ class TestReply:
             raw = {f: junk() for f in ("objects", "prompts", "targets", "colors", "ignored", "plan", "keep", "x")}
             raw["plan"] = [entry(draw.choice(names), junk(2), junk(2), priority=junk(2)) for _ in range(3)]
             for key, e in read_reply(raw, table).entries.items():
-                i = table.rows[table.names[key]]
+                i = next(each for each in table.rows.values() if each.key == key)
                 assert all(a <= b <= c <= d for a, b, c, d in zip(i.lower, e.lower, e.upper, i.upper, strict=True))
 
 

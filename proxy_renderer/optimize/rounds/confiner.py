@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lines 3 to 5 and 7 of Algorithm 1: the plan of a round, its ranges, and the box in u that they make."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -23,33 +21,18 @@ _NEAR = 0.25  # share of a range, on either side of a variant's start, in which 
 
 
 @dataclass(frozen=True)
-class Start:
-    """The start of a refinement, which is one or several rounds."""
-
-    u: Tensor  # (N,) the point
-    shots: Sequence[ShotState]  # with the corrections so far
-    # (N,) bool, components that stay near the start, so that variants stay different; None if all are free
-    drawn: Tensor | None = None
-    first: int = 0  # number of the first round, counted over all starts
-    turned: Mapping[str, PlanEntry] = field(default_factory=dict)  # entries that replace those of the plan
-
-
-@dataclass(frozen=True)
 class RoundStart:
     """A round before it is planned."""
 
-    start: Start  # of the refinement
     u: Tensor  # (N,) the point where the round begins
     shots: Sequence[ShotState]  # with the correction at u
-    number: int  # of the round, counted over all starts, from 0
-    earlier: Plan  # the plan of the round before; empty for the first
+    number: int = 0  # of the round, counted over all starts
+    earlier: Plan = field(default_factory=Plan)  # the plan of the round before; empty for the first
     share: float = 1.0  # share of each component's feasible range by which the round may move from u
     opening: float = 0.0  # share of its width by which a range that words name opens at either end
-
-    @classmethod
-    def at(cls, start: Start) -> RoundStart:
-        """The first round from a start."""
-        return cls(start, start.u, start.shots, start.first, Plan())
+    # for a variant, the components (N,) bool that stay near a point (N,), so that variants stay different, and the point
+    near: tuple[Tensor, Tensor] | None = None
+    turned: Mapping[str, PlanEntry] = field(default_factory=dict)  # a variant's own entries of the plan
 
 
 @dataclass
@@ -66,73 +49,61 @@ class Confined:
     here: RoundStart  # what the round was planned from
 
 
+@dataclass
 class Confiner:
-    """Plans the rounds of one vibe. `replan` may change the advisor's plan, see `Method.plan`."""
+    """Plans the rounds of one vibe."""
 
-    def __init__(
-        self,
-        vector: ParameterVector,
-        shots: Sequence[ShotState],
-        described: SceneDescription,
-        advisor: Advisor,
-        replan: Callable[[Mapping[str, Instance], Plan], Plan],
-    ) -> None:
-        self._vector, self._described, self.advisor, self._replan = vector, described, advisor, replan
+    vector: ParameterVector
+    shots: Sequence[ShotState]  # as loaded
+    described: SceneDescription  # before any change
+    advisor: Advisor
+    replan: Callable[[Mapping[str, Instance], Plan], Plan]  # may change the advisor's plan, see `Method.plan`
+
+    def __post_init__(self) -> None:
         self._widest: dict[str, float] = {}  # key of a light's size -> the largest that fits in all shots
-        for shot in shots:
+        for shot in self.shots:
             for own, size in light_sizes(shot.scene, shot.proxy.geometry).items():
                 key = shot.names[own]
                 self._widest[key] = min(self._widest.get(key, size), size)
 
     def advise(self, shots: Sequence[ShotState], u: Tensor, earlier: Plan) -> Advice:
         """The advice for the first shot at u (N,). Its plan also has entries for parameters that only other shots have."""
-        advice: Advice | None = None
-        entries: dict[str, PlanEntry] = {}
-        for shot in shots:
-            if advice and all(key in entries for key in shot.names.values()):
-                continue
-            own_advice = shot.advised(self.advisor, u, self._described)
-            entries = {shot.names[own]: entry for own, entry in own_advice.plan.items()} | entries
-            advice = advice or own_advice
-        assert advice is not None
-        instances = self._vector.instances
+        advice = shots[0].advised(self.advisor, u, self.described)
+        entries = {shots[0].names[own]: entry for own, entry in advice.plan.items()}
+        for shot in shots[1:]:
+            if not entries.keys() >= {*shot.names.values()}:
+                plan = shot.advised(self.advisor, u, self.described).plan
+                entries = {shot.names[own]: entry for own, entry in plan.items()} | entries
+        instances = self.vector.instances
         plan = carry(Plan({key: entries[key] for key in instances}, advice.plan.notes), earlier)
-        return replace(advice, plan=self._replan(instances, plan))
+        return replace(advice, plan=self.replan(instances, plan))
 
     def confined(
         self, advice: Advice, u: Tensor, here: RoundStart, shots: Sequence[ShotState], claims: Sequence[Claim]
     ) -> Confined:
         """The round of an advice: its plan, the ranges, their box, and u (N,) projected into the box."""
-        drawn, plan = here.start.drawn, Plan({**advice.plan, **here.start.turned}, advice.plan.notes)
-        ranges = self._ranges(plan, u, here.opening, claims)
-        lower, upper = self._vector.bounds(ranges)
-        if drawn is not None:
-            near = around(here.start.u, lower, upper, _NEAR)
-            lower, upper = torch.where(drawn, near[0], lower), torch.where(drawn, near[1], upper)
-        lower, upper = around(u, lower, upper, here.share)
-        u = project(u, lower, upper)
-        return Confined(advice, plan, ranges, lower, upper, u, shots, here)
-
-    def _ranges(
-        self, plan: Plan, u: Tensor, opening: float, claims: Sequence[Claim]
-    ) -> dict[str, tuple[Values, Values]]:
-        """The plan's ranges at u (N,). Ranges that words name open by `opening`; sizes of lights stay below surfaces nearby."""
-        vector = self._vector
+        vector, plan = self.vector, Plan({**advice.plan, **here.turned}, advice.plan.notes)
         ranges = feasible_ranges(plan, vector.instances, vector.values(u))
-        if opening:
-            # Ranges of finishes do not open: with a wider range a finish would not be what its word says.
+        if here.opening:
+            # Ranges that words name open, but not those of finishes: with a wider range a finish would not be what its word says.
             parameters = {key: vector.instances[key].parameter for key in plan}
             finishes = {k for k, p in parameters.items() if p.group == "material" and p.kind != "color"}
             named = {key for key, entry in plan.items() if entry.is_named and not entry.usual} - finishes
             measured = {f"film/{c.measure}" for c in claims if c.word and c.part == "picture"}
-            whole = [key for key in named if vector.instances[key].parameter.family in measured]
-            share = torch.where(vector.mark(named), opening, 0.0).masked_fill(vector.mark(whole), math.inf)
-            low, high = map(vector.plain, opened(*vector.bounds(ranges), share, vector.encode({})))
-            ranges |= {key: (low[key], high[key]) for key in named}
-        for key, widest in self._widest.items():
-            low_end, high_end = ((min(end[0], widest),) for end in ranges[key])
-            ranges[key] = low_end, high_end
-        return ranges
+            whole = [key for key in named if parameters[key].family in measured]
+            share = torch.where(vector.mark(named), here.opening, 0.0).masked_fill(vector.mark(whole), math.inf)
+            wider = [vector.plain(end) for end in opened(*vector.bounds(ranges), share, vector.encode({}))]
+            ranges |= {key: (wider[0][key], wider[1][key]) for key in named}
+        for key, widest in self._widest.items():  # lights do not grow into surfaces
+            (low,), (high,) = ranges[key]
+            ranges[key] = (min(low, widest),), (min(high, widest),)
+        lower, upper = vector.bounds(ranges)
+        if here.near:
+            some, point = here.near
+            low_end, high_end = around(point, lower, upper, _NEAR)
+            lower, upper = torch.where(some, low_end, lower), torch.where(some, high_end, upper)
+        lower, upper = around(u, lower, upper, here.share)
+        return Confined(advice, plan, ranges, lower, upper, project(u, lower, upper), shots, here)
 
 
 def carry(plan: Plan, earlier: Plan) -> Plan:

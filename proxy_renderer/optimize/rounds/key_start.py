@@ -7,7 +7,7 @@ compared with the reference image. Only the pattern of lightness is compared, be
 """
 
 import itertools
-from collections.abc import Iterable
+from operator import itemgetter
 
 import torch
 import torch.nn.functional as F
@@ -35,65 +35,45 @@ def with_key_turned(
 
     u itself if no direction is better, or if the scene has not exactly one key light that may turn.
     """
-    keys = [
+    turning = [
         key
         for key, instance in vector.instances.items()
         if instance.parameter.family == "light/azimuth"
         and instance.role == "key"
         and bool((upper > lower)[vector.slices[key]].all())
     ]
-    if len(keys) != 1:
+    if len(turning) != 1:
         return u
-    turned = _TurnedKey(scene, vector, keys[0].removesuffix("/azimuth"), u, goal)
-    here = turned.likeness(u)
-    own = vector.instances[keys[0]].value[0]
-    coarse = [(own + turn, height) for turn, height in itertools.product(_TURNS, _HEIGHTS)]
-    best, most = turned.best_of(coarse, (lower, upper), (u, here))
-    azimuth, elevation = turned.direction(best)
-    finer = [(azimuth + turn, elevation + rise) for turn, rise in _FINER]
-    best, most = turned.best_of(finer, (lower, upper), (best, most))
-    return best if most > here + _BETTER else u
+    light = turning[0].removesuffix("/azimuth")
+    angles = f"{light}/azimuth", f"{light}/elevation"
+    likeness = _Likeness(scene, vector, light, u, goal)
+
+    def tried(azimuth: float, elevation: float) -> tuple[float, Tensor]:
+        values = vector.encode({angles[0]: (azimuth,), angles[1]: (elevation,)})
+        point = torch.where(vector.mark(angles), values, u).clamp(lower, upper)
+        return likeness(point), point
+
+    here, own = likeness(u), vector.instances[angles[0]].value[0]
+    coarse = [tried(own + turn, height) for turn, height in itertools.product(_TURNS, _HEIGHTS)]
+    best = max([(here, u), *coarse], key=itemgetter(0))
+    (azimuth,), (elevation,) = (vector.plain(best[1])[angle] for angle in angles)
+    most, point = max([best, *(tried(azimuth + turn, elevation + rise) for turn, rise in _FINER)], key=itemgetter(0))
+    return point if most > here + _BETTER else u
 
 
-class _TurnedKey:
-    """Compares an image with the scene at u whose key light is turned to other directions."""
+class _Likeness:
+    """Compares an image (H, W, 3) with the scene at points that differ from u (N,) in the direction of one light."""
 
     def __init__(self, scene: SceneData, vector: ParameterVector, light: str, u: Tensor, goal: Tensor) -> None:
-        self._proxy = Proxy(scene, picture_size(scene.resolution, _SIZE))
-        self._vector, self._u = vector, u
-        self._keys = f"{light}/azimuth", f"{light}/elevation"
-        energies = (f"{light}/{name}" for name in ("power", "strength"))
-        self._power = next(key for key in energies if key in vector.instances)
+        self._proxy, self._vector = Proxy(scene, picture_size(scene.resolution, _SIZE)), vector
         self._goal = _cells(goal)
+        energies = (f"{light}/{name}" for name in ("power", "strength"))
+        dark = {next(key for key in energies if key in vector.instances): torch.zeros(1)}
         with torch.no_grad():
-            dark = {self._power: torch.zeros(1)}
             self._rest = self._proxy.render(vector.decode(u) | dark).linear
 
-    def point(self, azimuth: float, elevation: float) -> Tensor:
-        """(N,) the point u with the key light in a direction, degrees."""
-        values = self._vector.encode(dict(zip(self._keys, ((azimuth,), (elevation,)), strict=True)))
-        point = self._u.clone()
-        for key in self._keys:
-            point[self._vector.slices[key]] = values[self._vector.slices[key]]
-        return point
-
-    def direction(self, u: Tensor) -> tuple[float, float]:
-        """Azimuth and elevation at u (N,), degrees."""
-        values = self._vector.plain(u)
-        return values[self._keys[0]][0], values[self._keys[1]][0]
-
-    def best_of(
-        self, directions: Iterable[tuple[float, float]], box: tuple[Tensor, Tensor], best: tuple[Tensor, float]
-    ) -> tuple[Tensor, float]:
-        """The point most like the image, and its likeness, among directions (azimuth, elevation), in degrees, and the best so far."""
-        for azimuth, elevation in directions:
-            point = self.point(azimuth, elevation).clamp(*box)
-            if (likeness := self.likeness(point)) > best[1]:
-                best = point, likeness
-        return best
-
     @torch.no_grad()
-    def likeness(self, u: Tensor) -> float:
+    def __call__(self, u: Tensor) -> float:
         """The greatest correlation of lightness with the image, over strengths of the key and exposures."""
         key = self._proxy.render(self._vector.decode(u)).linear - self._rest
         tried = itertools.product(_STRENGTHS, _EXPOSURES)

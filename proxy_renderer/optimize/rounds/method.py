@@ -40,10 +40,7 @@ class Method:
         return claims
 
     def guidance(self, encoder: Encoder, advice: Advice, start: Render, every_word: bool = False) -> Guidance:
-        """Guidance by the encoder, calibrated on the proxy's image `start` of the artist's values.
-
-        It judges similarity to the words that no measure covers, or with `every_word` to all words.
-        """
+        """Guidance by the encoder on words that no measure covers, or on `every_word`, calibrated on the artist's image `start`."""
         prompts = advice.prompts if every_word or self.every_word else advice.unmeasured
         if prompts == NO_PROMPTS:  # claims cover all words
             return NoGuidance()
@@ -56,19 +53,10 @@ class Method:
         return select(now, vector, shots, u, options, self.weights)
 
     def descend(
-        self,
-        now: Confined,
-        chosen: Selection,
-        movable: Tensor,
-        steps: int,
-        seed: int,
-        follow: Callable[[int, float, Any], bool],
+        self, now: Confined, chosen: Selection, steps: int, seed: int, follow: Callable[[int, float, Any], bool]
     ) -> Descent:
-        """Lines 8 to 15: the steps from the round's projected point over the `movable` components (N,) bool of S_K.
-
-        `follow` is called after each step, see `solve`.
-        """
-        return solve(chosen.objective, now.u, movable, now.lower, now.upper, steps, follow, chosen.model)
+        """Lines 8 to 15: steps from the round's point over the components of S_K; for `follow` see `solve`."""
+        return solve(chosen.objective, now.u, chosen.movable(now), now.lower, now.upper, steps, follow, chosen.model)
 
 
 def load_method() -> Method:

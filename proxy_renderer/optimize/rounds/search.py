@@ -14,14 +14,14 @@ from ...claims.measures.picture import is_black
 from ...goals.resolve import Goals
 from ...guidance.encoder import Encoder
 from ...guidance.guide import Guidance, claims_loss
-from ...planning.advice import Advice, Advisor
+from ...planning.advice import Advisor
 from ...reference.like import LikeAdvisor, Reference
 from ...render.proxy import Proxy, Render
 from ...scene import SceneData
 from ...schema import VibeError
 from ...schema.messages import Options
 from ..least_squares import Descent
-from ..looks import Looks
+from ..looks import EarlyLook, Looks
 from ..progress import Clock, Observer
 from ..shots import ShotInput, ShotState, gathered, inner_size
 from ..stage import StagedScenes
@@ -31,7 +31,6 @@ from .key_start import with_key_turned
 from .method import Method
 from .selection import Selection
 
-_VALUES = 48  # least number of parameters that a round for a reference image may optimize
 _STRIDE, _FURTHER_STRIDE = 0.05, 0.25
 """Share of a value's whole range. If the projection moves no value by more, no new anchor is rendered. The second is for a further
 sentence, which begins near its result."""
@@ -40,9 +39,7 @@ sentence, which begins near its result."""
 class Missed(NamedTuple):
     """Distance of images from the words' claims; a smaller tuple is better."""
 
-    # sum over the claims' misses, see `claims_loss`: one that is missed by far, as when the subject is hardly
-    # visible, counts more than two that are nearly satisfied
-    distance: float
+    distance: float  # sum of misses, see `claims_loss`: a large one counts more than two small ones
     claims: int  # number of claims that are not satisfied
 
 
@@ -50,14 +47,6 @@ class Search:
     """One vibe. The first round sets its claims and the artist's images; each round's advice sets the guidance.
 
     The default advisor is the offline planner, and the default method is the product's.
-
-    Attributes:
-        shots: One or several, each with its own proxy, as loaded.
-        rounds: R, the most rounds from each start.
-        reference: The image that replaces words, or adds to them; None for words alone.
-        pictured: Whether the goals have wishes of a reference image; written goals may have them without an image.
-        confiner: Makes the plans of rounds, and the boxes of plans.
-        looks: Makes the looks before the end; None if the observer wants none, and for several shots.
     """
 
     def __init__(
@@ -71,11 +60,11 @@ class Search:
         method: Method | None = None,
     ) -> None:
         self.method, self.observer, self._stage = method or Method(), observer, stage
-        self.reference = Reference.of(options, views[0].scene)
+        self.reference = Reference.of(options, views[0].scene)  # None for words alone
         written = stage.goals.pictured if isinstance(stage.goals, Goals) else ()
-        self.pictured = bool(self.reference or written)
+        self.pictured = bool(self.reference or written)  # whether the goals have wishes of a reference image
         if self.pictured:  # a reference image is about all of light and grade at once
-            options = replace(options, top_k=max(options.top_k, _VALUES))
+            options = replace(options, top_k=max(options.top_k, 48))
         self.options = options
 
         def proxy(scene: SceneData) -> Proxy:
@@ -86,29 +75,25 @@ class Search:
         self.vector, self.shots = gathered([replace(v, scene=scene) for v, scene in staged], options, proxy)
         described = stage.understood.scene
         words = bool(stage.understood.prompt.strip()) or isinstance(stage.goals, Goals)
-        self._offline, asked = (self._with_picture(each, words) for each in (stage.advisor, advisor or stage.advisor))
+        advisors: list[Advisor] = [stage.advisor, advisor or stage.advisor]
+        if self.reference:
+            if len(self.shots) > 1:  # the image shows at most one of the shots
+                self.reference.same = False
+            seen = partial(self.shots[0].gbuffer, self.vector.encode({}))
+            advisors = [LikeAdvisor(self.reference, each if words else None, seen) for each in advisors]
+        self._offline, asked = advisors
         self.confiner = Confiner(self.vector, self.shots, described, asked, self.method.plan)
         self.several = options.variants > 1
-        # Each variant gets half the rounds, so that several take less time than as many vibes.
+        # R, the most rounds from each start. Each variant gets half, so that several take less time than as many vibes.
         self.rounds = -(-options.rounds // 2) if self.several else options.rounds
         self.clock = Clock(self.rounds * (options.variants if self.several else 1), options.steps, observer)
         self._encoder = encoder
         self.claims: tuple[Claim, ...] = ()  # of words and reference image; none before the first round
-        # Each shot's image of the artist's values, on which guidance is calibrated
-        self._artist: list[Render] = []
+        self._artist: list[Render] = []  # each shot's image of the artist's values, on which guidance is calibrated
         self._asked: object = None  # the captions that the guidance was made for
         self._guidance: list[Guidance] = []  # one for each shot
         alone = len(self.shots) == 1 and observer.wants_looks
-        self.looks = Looks(self.shots[0], described) if alone else None
-
-    def _with_picture(self, advisor: Advisor, words: bool) -> Advisor:
-        """An advisor for the reference image, if there is one, and for words, if there are any."""
-        if self.reference is None:
-            return advisor
-        if len(self.shots) > 1:  # the image shows at most one of the shots
-            self.reference.same = False
-        seen = partial(self.shots[0].gbuffer, self.vector.encode({}))
-        return LikeAdvisor(self.reference, advisor if words else None, seen)
+        self.looks = Looks(self.shots[0], described) if alone else None  # looks before the end
 
     def show_plan(self) -> None:
         """Shows what the words alone give, before the first anchor. The plan is always the offline planner's."""
@@ -119,9 +104,8 @@ class Search:
         except VibeError:  # the first round raises the error again, unless its advisor understands the words
             return
         self.observer.begin(self.looks.before, True)  # whether Cycles' image is black is not known yet
-        self.observer.look(self.looks.values(u))
-        claims = self._stage.claims(advice.goals)
-        self.observer.look(self.looks.drawn(u, claims))
+        self.observer.look(EarlyLook(self.shots[0].vector.changes(u), None, {}))
+        self.observer.look(self.looks.drawn(u, self._stage.claims(advice.goals)))
 
     def show(self, shots: Sequence[ShotState], u: Tensor) -> None:
         """Shows the best look so far, at u (N,)."""
@@ -136,9 +120,13 @@ class Search:
         if begins := not self._artist:
             self.claims = self.method.claims(self._stage.claims(advice.goals))
             self._artist = [shot.draw(u) for shot in shots]
-        first, *others = self._equipped(shots, u, advice)
+        if self._asked != (asked := (advice.prompts, advice.unmeasured)):
+            self._asked, every = asked, bool(self.options.encoder)
+            self._guidance = [self.method.guidance(self._encoder, advice, image, every) for image in self._artist]
+        rows = zip(shots, self._artist, self._guidance, strict=True)
+        first, *others = (replace(shot.judged(self.claims, image, u), guidance=g) for shot, image, g in rows)
         shots = [first, *(shot.planned(advice.plan) for shot in others)]
-        if not here.earlier and here.start.drawn is None:
+        if not here.earlier and not here.near:
             u = start_point(self.vector, advice.plan, u)
         now = self.confiner.confined(advice, u, here, shots, self.claims)
         if begins:
@@ -147,20 +135,11 @@ class Search:
                 self.observer.begin(image, not (is_black(image) and is_black(shots[0].draw(now.u).display)))
         return now
 
-    def _equipped(self, shots: Sequence[ShotState], u: Tensor, advice: Advice) -> list[ShotState]:
-        """The shots at u (N,) with guidance by a round's advice; shots without claims get them."""
-        if self._asked != (asked := (advice.prompts, advice.unmeasured)):
-            self._asked, every = asked, bool(self.options.encoder)
-            self._guidance = [self.method.guidance(self._encoder, advice, image, every) for image in self._artist]
-        rows = zip(shots, self._artist, self._guidance, strict=True)
-        return [replace(shot.judged(self.claims, image, u), guidance=g) for shot, image, g in rows]
-
     def placed(self, now: Confined) -> Confined:
         """The round at the point where its steps begin, see `with_key_turned`, with the proxies corrected there."""
         u, here = now.u, now.here
         if not here.earlier and self.reference and self.reference.same:
-            goal = self.reference.display
-            u = with_key_turned(self.shots[0].scene, self.vector, u, now.lower, now.upper, goal)
+            u = with_key_turned(self.shots[0].scene, self.vector, u, now.lower, now.upper, self.reference.display)
         stride = _FURTHER_STRIDE if self.options.goes_on else _STRIDE
         shots = [shot.anchored(u, here.number, stride).viewed(u) for shot in now.shots]
         return replace(now, u=u, shots=shots)
@@ -171,15 +150,11 @@ class Search:
 
     def descend(self, now: Confined, chosen: Selection) -> Descent:
         """Lines 8 to 15 of Algorithm 1, from the round's point, where S_K was chosen."""
-        movable = self.vector.mark(chosen.keys) & (now.upper > now.lower)
         seed, follow = self.options.seed * 1000 + now.here.number, self.clock.follow(now.here.number)
-        return self.method.descend(now, chosen, movable, self.options.steps, seed, follow)
+        return self.method.descend(now, chosen, self.options.steps, seed, follow)
 
     def seen(self, shots: Sequence[ShotState], u: Tensor, number: int) -> tuple[list[ShotState], Missed]:
-        """The shots, corrected by Cycles images at u (N,), and the distance of these images from the claims.
-
-        `number` is that of the round.
-        """
+        """The shots of round `number`, corrected by Cycles images at u (N,), and the distance of these images from the claims."""
         shots = [shot.anchored(u, number).viewed(u) for shot in shots]
         residuals = [r for shot in shots for r in shot.missed(u)]
         distance = float(claims_loss(residuals)) if residuals else 0.0

@@ -25,11 +25,8 @@ from ..vector import ParameterVector
 from .confiner import Confined
 
 _HALF = 1.5  # added to a parameter's priority number for each halving of its gain
-_MISSED = 3.0
-"""More of that per unit of `RoundStart.opening`: if claims stay missed for rounds, gain counts more than what words name."""
-
+_MISSED = 3.0  # more of that per unit of `RoundStart.opening`: while claims stay missed, gain counts more than words
 _FAINTEST = 2.0**-20  # least share of the largest gain that is counted
-
 _WORTH = 1.0  # noticeable steps that supporting parameters have to gain to be candidates at all
 ALIKE = 0.9  # share of a parameter's effect on the claims, reproduced by another, above which both are alike
 _NOTHING_NEW = 0.1  # share of its gain alone that is left next to an alike one, up to which it is held
@@ -41,34 +38,28 @@ class Selection:
 
     keys: list[str]  # S_K, the most useful first
     objective: RoundObjective  # differentiable in all candidates
-    # key of a held parameter -> key of the parameter of S_K with the same effect on the claims
-    shared: dict[str, str] = field(default_factory=dict)
-    # of the objective at the point where S_K was chosen, over the components of S_K; None if it is not known
-    model: LinearModel | None = None
+    shared: dict[str, str] = field(default_factory=dict)  # held key -> key of S_K with the same effect on the claims
+    model: LinearModel | None = None  # at the point where S_K was chosen, over its components; None if it is not known
+
+    def movable(self, now: Confined) -> Tensor:
+        """(N,) bool, the components of S_K whose range in the round has a width."""
+        return self.objective.vector.mark(self.keys) & (now.upper > now.lower)
 
     def with_reasons(self, plan: Plan) -> Plan:
         """The plan, in which the reasons of held parameters say why they are held."""
-        held = {}
-        for key, other in self.shared.items():
-            reason = f"{plan[key].reason}; held: {other} does the same to what is claimed"
-            held[key] = replace(plan[key], reason=reason)
+        why = {key: f"held: {other} does the same to what is claimed" for key, other in self.shared.items()}
+        held = {key: replace(plan[key], reason=f"{plan[key].reason}; {text}") for key, text in why.items()}
         return Plan({**plan, **held}, plan.notes)
 
 
 def select(
     now: Confined, vector: ParameterVector, shots: Sequence[ShotState], u: Tensor, options: Options, weights: Weights
 ) -> Selection:
-    """S_K (equation 7), chosen at u (N,): at most `top_k` parameters that receive gradients.
-
-    Raises VibeError if words name none that may change.
-    """
+    """S_K (equation 7), chosen at u (N,): at most `top_k` parameters; raises VibeError if words name none that may change."""
     plan, lower, upper = now.plan, now.lower, now.upper
+    movable = relevant(plan, vector, upper > lower)
     # A moved camera means tracing all rays again, so it only moves if words name it.
-    probed = {
-        k
-        for k in relevant(plan, vector, upper > lower)
-        if vector.instances[k].parameter.group != "camera" or plan[k].is_named
-    }
+    probed = {k for k in movable if vector.instances[k].parameter.group != "camera" or plan[k].is_named}
     pictured = bool(now.advice.goals.pictured)
     objective = RoundObjective(shots, vector, plan, probed, (lower, upper), weights, pictured)
     if not probed:  # the words only link lights
@@ -86,16 +77,13 @@ def select(
 
     candidates = needed(plan, model, parts, low, high)
     keys, shared = choose(plan, options.top_k, model, candidates, low, high, _HALF + _MISSED * now.here.opening)
-    mine = torch.zeros(len(low), dtype=torch.bool)
-    for key in keys:
-        mine[parts[key]] = True
-    return Selection(keys, objective, shared, model.of(mine))
+    return Selection(keys, objective, shared, model.of(vector.mark(keys)[wide]))
 
 
 def relevant(plan: Plan, vector: ParameterVector, wide: Tensor) -> set[str]:
     """The keys that a round may change; `wide` (N,) bool marks the components whose range has a width.
 
-    If words name none of these keys, the result is empty if the words link lights; otherwise VibeError is raised.
+    If words name none of these keys, the result is empty if the words link lights, else VibeError is raised.
     """
     found = {k for k, e in plan.items() if e.priority is not None and wide[vector.slices[k]].any()}
     if all(plan[key].prior > 0.0 and not plan[key].any_hue for key in found):
@@ -123,13 +111,11 @@ def needed(
 def choose(
     plan: Plan, k: int, model: LinearModel, parts: Mapping[str, slice], low: Tensor, high: Tensor, half: float = _HALF
 ) -> tuple[list[str], dict[str, str]]:
-    """The K most important parameters, by priority and by how much each can still lower the loss next to those chosen before.
+    """The K most important parameters, and a mapping from held ones to the chosen one with the same effect.
 
-    Each halving of the gain adds `half` to the priority number, and the smallest number comes first. So a parameter at the right end
-    of its range, or without effect on the loss, makes room for one that helps. A color counts as one parameter.
-
-    Returns:
-        The chosen keys, and a mapping from held keys to the chosen key with the same effect.
+    Each halving of what a parameter can still lower the loss next to those chosen before adds `half` to its priority number, and the
+    smallest number comes first. So a parameter at the right end of its range, or without effect on the loss, makes room for one that
+    helps. A color counts as one parameter.
     """
     move, free = torch.zeros_like(low), torch.zeros(len(low), dtype=torch.bool)
     left = dict(parts)

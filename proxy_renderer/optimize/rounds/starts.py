@@ -17,10 +17,9 @@ from ...planning.types import Plan, PlanEntry
 from ...schema import Instance
 from ..least_squares import fixed_views
 from ..vector import ParameterVector, feasible_ranges
-from .confiner import Confined, RoundStart, Start
+from .confiner import Confined, RoundStart
 from .search import Search
 
-_COARSE_STEPS = 8
 VARIED = "left open by the words: varied, so that the variants differ"
 _PER_VARIANT = 3  # starts that are tried for each variant: some have a high loss, some look alike
 _ROAM: dict[str, tuple[float, float, bool]] = {  # how far down and up, and whether by factors
@@ -33,41 +32,40 @@ _ROAM: dict[str, tuple[float, float, bool]] = {  # how far down and up, and whet
 """Families that may differ between variants if the words leave them open. Lights turn together, by the same share."""
 _OF_RIGS = 0.45  # share of those degrees by which a rig's lights may turn, so that they still fit their word
 _CELLS = 16  # rows and columns of the grid whose cells are compared
-_LAST = 99  # priority of varied parameters, which no word names
 
 
-def find_starts(search: Search) -> list[Start]:
-    """One start, or one for each variant.
+def find_starts(search: Search) -> list[RoundStart]:
+    """One start: the artist's scene, or with the option `starts` the drawn point of least loss; or one start for each variant.
 
-    The only start is the artist's scene, or with the option `starts` the drawn point of least loss. For variants, several points are
-    drawn and tried in a coarse pass. The first variant starts at the plan's own point, others at those that look most different.
+    The first variant starts at the plan's own point, others at those of several drawn points that look most different after a few steps.
     """
     home, options = search.vector.encode({}), search.options
     number = max(options.starts, _PER_VARIANT * options.variants if search.several else 1)
-    artist = Start(home, search.shots)
+    artist = RoundStart(home, search.shots)
     if number == 1:
         return [artist]
-    now = search.confine(RoundStart.at(artist))
+    now = search.confine(artist)
     plan = roam(search.vector.instances, now.plan) if search.several else now.plan
     box = search.vector.bounds(feasible_ranges(plan, search.vector.instances, search.vector.values(home)))
     drawn = draw_starts(search.vector, plan, now.u, box, number, options.seed)
     search.observer.stage(f"trying {number} starts")
     tried = []
     for point in drawn:
-        here = RoundStart.at(Start(point, now.shots, turned=turned(now.plan, search.vector, point)))
+        here = RoundStart(point, now.shots, turned=turned(now.plan, search.vector, point))
         there = search.confiner.confined(now.advice, point, here, now.shots, search.claims)
         tried.append(_coarse_pass(search, point, there))
         if search.observer.stopped():
             break
     losses = [loss for _, loss, _ in tried]
     if not search.several:
-        return [Start(tried[losses.index(min(losses))][0], now.shots)]
+        return [RoundStart(tried[losses.index(min(losses))][0], now.shots)]
     best, *others = most_diverse([display for _, _, display in tried], losses, options.variants)
     own = search.vector.mark(k for k, e in plan.items() if e.priority is not None and k != "film/exposure")
-    starts = [Start(tried[best][0], now.shots)]
+    starts = [RoundStart(tried[best][0], now.shots)]
     for place, i in enumerate(others, 1):
         u = tried[i][0]
-        starts.append(Start(u, now.shots, own, place * search.rounds, turned(now.plan, search.vector, u)))
+        turn = turned(now.plan, search.vector, u)
+        starts.append(RoundStart(u, now.shots, place * search.rounds, near=(own, u), turned=turn))
     return starts
 
 
@@ -80,28 +78,25 @@ def _coarse_pass(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, 
         guidance.views = Views(1, 1, 1)
         few.append(replace(shot.viewed(point), guidance=guidance))
     chosen = search.select(now, point, few)
-    movable = search.vector.mark(chosen.keys) & (now.upper > now.lower)
-    here, seed = replace(now, u=point), search.options.seed
-    u = search.method.descend(here, chosen, movable, _COARSE_STEPS, seed, lambda *_: search.observer.stopped()).u
+    here, seed, loss = replace(now, u=point), search.options.seed, 0.0
+    u = search.method.descend(here, chosen, 8, seed, lambda *_: search.observer.stopped()).u
     with torch.no_grad():
-        images = [shot.draw(u) for shot in now.shots]
-        losses = []
-        for shot, image in zip(now.shots, images, strict=True):
+        for shot in now.shots:
             assert shot.guidance is not None
-            terms = [*shot.guidance(image.display, image.mask, fixed_views()).values()]
+            image = shot.draw(u)
+            loss += float(sum(shot.guidance(image.display, image.mask, fixed_views()).values()))
             if residuals := shot.missed(u):
-                terms.append(search.method.weights.claims * claims_loss(residuals))
-            losses.append(float(sum(terms)))
-    return u, sum(losses) / len(losses), images[0].display
+                loss += float(search.method.weights.claims * claims_loss(residuals))
+    return u, loss / len(now.shots), now.shots[0].draw(u).display
 
 
 def draw_starts(
     vector: ParameterVector, plan: Plan, u: Tensor, box: tuple[Tensor, Tensor], number: int, seed: int
 ) -> list[Tensor]:
-    """Points (N,) of the feasible box, the first of them u itself.
+    """Points (N,) of the feasible box, the first of them u itself, with parameters that the plan optimizes drawn from their ranges.
 
-    Parameters that the plan optimizes are drawn from their ranges. All components of a color are at the same place in their ranges,
-    because other combinations are other hues. Parameters of one name that `roam` has opened share a place, too.
+    All components of a color are at the same place in their ranges, because other combinations are other hues. Parameters of one name
+    that `roam` has opened share a place, too.
     """
     generator = torch.Generator().manual_seed(seed)
     keys = [key for key, entry in plan.items() if entry.priority is not None]
@@ -132,7 +127,7 @@ def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
         value, share = instance.value[0], _OF_RIGS if entry.varies else 1.0
         low, high = ((value * end if factors else value + share * end) for end in ends)
         low, high = max(low, instance.lower[0]), min(high, instance.upper[0])
-        roaming[key] = PlanEntry((low,), (high,), _LAST, VARIED, prior=0.0)
+        roaming[key] = PlanEntry((low,), (high,), 99, VARIED, prior=0.0)  # after those that words name
     return roaming
 
 
@@ -150,14 +145,9 @@ def turned(plan: Plan, vector: ParameterVector, u: Tensor) -> dict[str, PlanEntr
 
 def with_reasons(plan: Plan, vector: ParameterVector, u: Tensor) -> Plan:
     """The plan, with the reason `VARIED` for parameters without words that differ at u (N,) from the artist's values."""
-    moved = vector.values(u)
-    varied = {
-        key: replace(entry, reason=VARIED)
-        for key, entry in plan.items()
-        if vector.instances[key].parameter.family in _ROAM
-        and entry.prior == 1.0
-        and moved[key] != vector.instances[key].value
-    }
+    values, instances = vector.values(u), vector.instances
+    roaming = (key for key, entry in plan.items() if instances[key].parameter.family in _ROAM and entry.prior == 1.0)
+    varied = {key: replace(plan[key], reason=VARIED) for key in roaming if values[key] != instances[key].value}
     return Plan({**plan, **varied}, plan.notes)
 
 

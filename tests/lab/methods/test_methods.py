@@ -16,7 +16,7 @@ from proxy_renderer.engine.report import changed_values
 from proxy_renderer.guidance.encoder import Encoder, load_encoder
 from proxy_renderer.optimize import pipeline
 from proxy_renderer.optimize.rounds import selection
-from proxy_renderer.optimize.rounds.confiner import RoundStart, Start
+from proxy_renderer.optimize.rounds.confiner import RoundStart
 from proxy_renderer.optimize.rounds.method import VARIABLE, Method, load_method
 from proxy_renderer.optimize.rounds.search import Missed
 from proxy_renderer.optimize.shots import ShotInput
@@ -55,7 +55,7 @@ def search(scene, encoder):
 
 def confined(search):
     home = search.vector.encode({})
-    return search.confine(RoundStart.at(Start(home, search.shots))), home
+    return search.confine(RoundStart(home, search.shots)), home
 
 
 @pytest.mark.parametrize("name", METHODS)
