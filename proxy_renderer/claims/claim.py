@@ -18,7 +18,7 @@ from ..schema import Values
 from ..words.lexicon.quantities import quantities
 from ..words.types import Part
 from .measures import MEASURES
-from .measures.color import RegionMeans, chromaticity
+from .measures.color import RegionMeans, chromaticity_of
 from .measures.picture import MeasuredPicture, is_black, region_of
 
 _FEW = 16  # regions of fewer pixels are not measured
@@ -260,7 +260,7 @@ class ClaimSet:
     def values(self, picture: MeasuredPicture) -> list[Tensor | None]:
         """The value (n,) of each claim in an image, differentiable in the image; None if the target is hardly visible."""
         means = self._means.of(picture) if self._means else {}
-        known = {i: _of_mean(self.claims[i], mean) for i, mean in means.items()}
+        known = {i: m if self.claims[i].measure == "mean" else chromaticity_of(m) for i, m in means.items()}
         return [
             None if where is None else known[i] if i in known else claim.value(picture, where)
             for i, (claim, where) in enumerate(zip(self.claims, self.regions, strict=True))
@@ -297,11 +297,6 @@ class ClaimSet:
         """Distance of an image from the interval of each claim that can be measured: (n,) each, see `Claim.residual`."""
         rows = zip(self.claims, self.values(picture), self.before, strict=True)
         return [claim.residual(value, before) for claim, value, before in rows if value is not None]
-
-
-def _of_mean(claim: Claim, mean: Tensor) -> Tensor:
-    """The value (n,) of a claim about a mean color (3,)."""
-    return mean if claim.measure == "mean" else chromaticity(mean)
 
 
 def _inside(box: Values, like: Tensor) -> Tensor:
