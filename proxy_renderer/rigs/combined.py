@@ -7,8 +7,6 @@ from ..color.floats import hex_from_srgb, mixed, srgb_from_hex
 from ..words.lexicon.rigs import Modifier, Rig
 from .described import EDGES
 
-_SECOND = -1.0  # stops of another setup's key against the first one's
-_DARK_STYLE = -2.0  # stops of a world or a sky below which a style is dark
 _DIMMED = 0.6  # most stops by which an hour or a style lowers the exposure of a setup
 _MOOD, _MOST = 0.6, 0.8  # share of a mood's sky, fill and exposure that an hour takes over; most stops
 
@@ -22,7 +20,7 @@ def with_source(rig: Rig, other: Rig) -> Rig:
         return rig
     azimuth = -key.azimuth if first.azimuth * key.azimuth > 0 else key.azimuth
     rest = tuple(light for light in rig.lights if light.part != "accent")
-    return replace(rig, lights=(*rest, replace(key, part="accent", stops=_SECOND, azimuth=azimuth)))
+    return replace(rig, lights=(*rest, replace(key, part="accent", stops=-1.0, azimuth=azimuth)))
 
 
 def at_an_hour(rig: Rig, hour: Rig) -> Rig:
@@ -51,12 +49,11 @@ def in_a_style(rig: Rig, style: Rig) -> Rig:
     Sky and world stay as they are if the setup's key is a sun, or its sky is that of an hour.
     """
     has_own_sky = rig.under_sky or any(light.type == "SUN" for light in rig.lights[:1])
-    darker = {
-        name: theirs if mine is None else min(mine, theirs)
-        for name in (() if has_own_sky else ("world", "sky"))
-        if (theirs := getattr(style, name)) is not None and theirs < _DARK_STYLE
-        for mine in (getattr(rig, name),)
-    }
+    darker = {}
+    for name in () if has_own_sky else ("world", "sky"):
+        mine, theirs = getattr(rig, name), getattr(style, name)
+        if theirs is not None and theirs < -2.0:  # stops
+            darker[name] = theirs if mine is None else min(mine, theirs)
     exposure = min(rig.exposure, max(style.exposure, rig.exposure - _DIMMED))
     return replace(rig, **darker, exposure=exposure, grade=(*rig.grade, *style.grade))
 

@@ -22,12 +22,7 @@ _TEMPLATES = {
 """Part -> the rig that adds a light of that part."""
 # azimuth from the camera, in degrees, beyond which a light draws edges and leaves the visible side dark
 BEHIND = 120.0
-# degrees: an edge light at an azimuth between these moves to the latter, behind the subject
-_FRONT, _EDGE = 20.0, 128.0
-_OPPOSITE = 100.0  # azimuth, in degrees, of a light without a named place, on the side opposite to the key
-# factor on the stops of "faint" for lights but the key; stops of a second free light
-_SOFTER, _OF_FREE = 1.6, -0.5
-_WIDEST = {"SUN": 45.0, "AREA": 5.0, "SPOT": 1.0, "POINT": 0.6}
+_EDGE = 128.0  # azimuth of an edge light behind the subject
 
 
 @dataclass(frozen=True)
@@ -59,15 +54,12 @@ def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight
     # Without a key, an edge light is the key if there is a fill, or if it is a sun: "golden hour backlight".
     parts = {light.part for light in found}
     edge = next((light for light in found if light.part in EDGES), None)
-    if "key" in parts or edge is None or (parts.isdisjoint(FILLS) and not _names_a_sun(edge.said, table)):
+    if "key" in parts or edge is None:
+        return found
+    rigs = (table.rigs[a.entry] for a in edge.said if a.entry in table.rigs and not (a.color or a.negated))
+    if parts.isdisjoint(FILLS) and not any(light.type == "SUN" for rig in rigs for light in rig.lights[:1]):
         return found
     return [replace(light, part="key") if light is edge else light for light in found]
-
-
-def _names_a_sun(words: Sequence[Attribute], table: RigTable) -> bool:
-    """True if a word of a light stands for a setup with a sun or a moon."""
-    rigs = (table.rigs[a.entry] for a in words if a.entry in table.rigs and not (a.color or a.negated))
-    return any(light.type == "SUN" for rig in rigs for light in rig.lights[:1])
 
 
 def _merged(groups: Mapping[int, list[Attribute]], table: RigTable) -> dict[int, list[Attribute]]:
@@ -128,7 +120,7 @@ def composed(light: DescribedLight, lights: Sequence[RigLight], table: RigTable,
         elif modifier:
             made = replace(modifier, azimuth=None, elevation=None).change(made, attribute.strength)
     if light.part != "key":
-        made = replace(made, stops=made.stops + _SOFTER * _brighter(light.said, table, vocabulary))
+        made = replace(made, stops=made.stops + 1.6 * _brighter(light.said, table, vocabulary))
     return limited(made)
 
 
@@ -148,7 +140,8 @@ def tint_of(attribute: Attribute, vocabulary: Vocabulary) -> str:
 
 def limited(light: RigLight) -> RigLight:
     """A light that is at most as large as lights of its type are."""
-    return replace(light, size=min(light.size, max(_WIDEST[light.type], 1.0)))
+    widest = {"SUN": 45.0, "AREA": 5.0, "SPOT": 1.0, "POINT": 1.0}
+    return replace(light, size=min(light.size, widest[light.type]))
 
 
 def source_of(words: Sequence[Attribute], table: RigTable) -> Attribute | None:
@@ -173,7 +166,7 @@ def _template(light: DescribedLight, base: RigLight | None, key: RigLight | None
     For a key, the rig's own comes first.
     """
     plain = (table.rigs[_TEMPLATES[light.part]] if light.part in _TEMPLATES else table.plain).lights[0]
-    stops = _OF_FREE if light.part in FREE[1:] else plain.stops
+    stops = -0.5 if light.part in FREE[1:] else plain.stops
     made = replace(base, stops=max(base.stops, stops)) if base else replace(plain, stops=stops)
     sources = [a for a in light.said if _source(a, table)]
     head = source_of(light.said, table)
@@ -188,7 +181,7 @@ def _template(light: DescribedLight, base: RigLight | None, key: RigLight | None
         else:
             made = replace(made, color=other.color, kelvin=other.kelvin)
     if key is not None and light.part not in ("key", "background", *EDGES):
-        away = abs(made.azimuth) if base and not head else _OPPOSITE
+        away = abs(made.azimuth) if base and not head else 100.0  # on the side opposite to the key
         made = replace(made, azimuth=-away if key.azimuth > 0 else away)
     return replace(made, part=light.part, own=light.own)
 
@@ -202,7 +195,7 @@ def _placed(made: RigLight, light: DescribedLight, table: RigTable) -> RigLight:
     if light.part in FILLS and azimuth == table.modifiers["side light"].azimuth:
         azimuth = None
     if azimuth is not None:
-        if light.part in EDGES and _FRONT < abs(azimuth) < _EDGE:
+        if light.part in EDGES and 20.0 < abs(azimuth) < _EDGE:
             azimuth = math.copysign(_EDGE, azimuth)
         made = replace(made, azimuth=azimuth, mirrored=False, through="")
     return made if elevation is None else replace(made, elevation=elevation)

@@ -50,13 +50,13 @@ def _structure(chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage) -
             own = ClaimText("subject", "rim", (4.0,), change=5.0)
             yield "rim", replace(own, lower=(2.0,), change=None, by=True) if chosen.anew else own
         if each.light.color and each is not key:
-            yield from (("color", claim) for claim in _accent(each.light))
+            yield from (("color", claim) for claim in _color(each.light))
 
 
 def _direction(key: Placed, stage: LightStage) -> Iterator[ClaimText]:
     """The key's direction, as the camera sees it: a light from above is from the front to a camera that looks down."""
     right, up, toward = (sum(a * b for a, b in zip(axis, orbit.direction(key.azimuth, key.elevation), strict=True)) for axis in stage.camera_axes)  # fmt: skip
-    if max(abs(right), abs(up)) > 0.6:
+    if max(abs(right), abs(up)) > 0.6:  # cosine
         measure, slope = ("light_right", right) if abs(right) > 0.6 else ("light_up", up)
         ends = ((0.2,), (math.inf,)) if slope > 0 else ((-math.inf,), (-0.2,))
         yield ClaimText("subject", measure, *ends, math.copysign(0.25, slope))
@@ -67,15 +67,11 @@ def _direction(key: Placed, stage: LightStage) -> Iterator[ClaimText]:
 
 
 def _color(light: RigLight) -> Iterator[ClaimText]:
+    """The claim that some of the image has the color of a light; none for a nearly gray light."""
     if light.color:
-        yield from _accent(light)
+        if chroma(lab_from_srgb(srgb_from_hex(light.color))) > 12.0:
+            yield ClaimText("picture", "accent", (12.0,), change=12.0, color=light.color)
     elif light.is_warm:
         yield ClaimText("subject", "highlight_warmth", (4.0,), change=4.0)
     elif light.kelvin >= 7400.0:
         yield ClaimText("subject", "highlight_warmth", upper=(-1.5,), change=-4.0)
-
-
-def _accent(light: RigLight) -> Iterator[ClaimText]:
-    """The claim that some of the image has the color of a light; none for a nearly gray light."""
-    if chroma(lab_from_srgb(srgb_from_hex(light.color))) > 12.0:
-        yield ClaimText("picture", "accent", (12.0,), change=12.0, color=light.color)
