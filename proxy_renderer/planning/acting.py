@@ -13,11 +13,7 @@ from ..words.lexicon.vocabulary import Vocabulary
 from .owners import Owners
 from .types import LightPlan
 
-_PALE, _WHITE = 80.0, 93.0  # L* of pale and of white surroundings
-_MAIN = 1  # priority of what a word is mainly about
 _LIT = ("direction", "hardness", "light_color", "key_to_rest", "brightness")  # quantities that a rig decides
-_SHEDS = ("light/", "world/", "volume/", "film/vignette", "film/exposure")  # families that a rig sets itself
-_BESIDE_LIGHT = 0.5  # factor on the strength of what a mood implies, next to a rig
 STAGES = 3  # number of stages, see `stage_of`
 Act = tuple[Wish, Effect]  # an effect, with the wish that it comes from
 
@@ -33,7 +29,7 @@ def _effects(wish: Wish, vocabulary: Vocabulary, owners: Owners) -> tuple[Effect
     color, kind = wish.attribute.color, wish.attribute.kind
     if color and wish.effects and kind == "surroundings" and owners.world_is_hidden():
         light = lab_from_srgb(color)[0]
-        hidden = "hidden_white" if light > _WHITE else "hidden_pale" if light > _PALE else "hidden"
+        hidden = "hidden_white" if light > 93.0 else "hidden_pale" if light > 80.0 else "hidden"
         return vocabulary.painted[hidden]
     return vocabulary.painted[kind] if color and wish.effects and kind == "world" else wish.effects
 
@@ -72,11 +68,11 @@ def _left(wish: Wish, light: LightPlan) -> Wish:
     served = wish.attribute in light.served
     if not (served or wish.implied):
         return wish
-    graded = tuple(e for e in wish.effects if not e.family.startswith(_SHEDS))
-    if served and wish.attribute.slot != "grade":
-        graded = ()
-    strength = _BESIDE_LIGHT * wish.strength if wish.implied else wish.strength
-    return replace(wish, effects=graded, claims=(), strength=strength)
+    # families that a rig sets itself
+    lit = "light/", "world/", "volume/", "film/vignette", "film/exposure"
+    keeps = not served or wish.attribute.slot == "grade"
+    effects = tuple(e for e in wish.effects if keeps and not e.family.startswith(lit))
+    return replace(wish, effects=effects, claims=(), strength=wish.strength * (0.5 if wish.implied else 1.0))
 
 
 def grade_of(light: LightPlan) -> Iterator[Act]:
@@ -88,7 +84,7 @@ def grade_of(light: LightPlan) -> Iterator[Act]:
 
 def is_usual(wish: Wish, effect: Effect) -> bool:
     """True if an effect describes what a place usually has: the sky of a garden is blue, but not at night."""
-    return wish.attribute.slot == "setting" and effect.weak and effect.priority > _MAIN
+    return wish.attribute.slot == "setting" and effect.weak and effect.priority > 1
 
 
 def stage_of(effect: Effect) -> int:

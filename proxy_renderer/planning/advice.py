@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A round's understanding of a prompt: captions for the encoder, the plan, and a readable account of both."""
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any, Protocol
@@ -17,15 +17,10 @@ from .planner import plan
 from .types import LightPlan, Plan
 
 _MOST = 5  # words per caption: short ones are understood better
-_BEFORE = {"finish": 1, "color": 2, "material": 3}  # slot -> place before a noun; others come first
 _OF_MATTER = ("color", "finish", "material", "setting")
-_OF_ALL = ("lighting", "atmosphere", "grade", "mood")
 _KINDS = {"subject": ("subject", "highlight", "glow"), "surroundings": ("surroundings", "sky")}
 """Region -> kinds of targets that its caption describes."""
-_ALL = {"subject": "silhouette", "surroundings": "fog"}  # region -> kind or entry that describes all of it
 _UNNAMED = {"subject": "object", "surroundings": "background"}  # region -> its noun if the prompt has none
-_COLORED = ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience")
-"""Kinds of targets whose noun follows a color in a caption: "blue shadows"."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +47,7 @@ def compose(parsed: Parsed, overruled: Collection[Attribute] = (), vocabulary: V
         things.setdefault((attribute.owners and attribute.thing) or noun, []).append(attribute)
     foreground = ", ".join(captions.caption(a, name) for name, a in (things or {noun: []}).items())
     background = captions.caption(theirs, backdrop) if theirs else ""
-    whole = [a for a in said if a.region == "whole" or a.slot in _OF_ALL]
+    whole = [a for a in said if a.region == "whole" or a.slot in ("lighting", "atmosphere", "grade", "mood")]
     looks = [captions.words(a) for a in whole if a not in mine and a not in theirs][:_MOST]
     return Prompts(
         foreground,
@@ -71,7 +66,7 @@ def _called(region: str, parsed: Parsed) -> str:
 
 def _is_of(region: str, attribute: Attribute) -> bool:
     """True if a word describes the surfaces of a region, its fog, its sky, or all of it, as "silhouette" does."""
-    whole = _ALL[region] in (attribute.kind, attribute.entry)
+    whole = {"subject": "silhouette", "surroundings": "fog"}[region] in (attribute.kind, attribute.entry)
     return whole or (attribute.kind in _KINDS[region] and attribute.slot in _OF_MATTER)
 
 
@@ -83,7 +78,11 @@ class _Captions:
         """The encoder's text for a word: its expansion, with the intensity kept."""
         entry = self.entries.get(attribute.entry)
         if attribute.color or not entry:
-            return _color(attribute)
+            # A color has its name and its basic color, "crimson red": encoders know few names of colors.
+            kind, name = color_class(attribute), attribute.entry
+            if attribute.kind in ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience"):
+                return f"{name} {attribute.thing}"  # "blue shadows"
+            return name if kind in name.replace("gray", "grey") else f"{name} {kind}"
         if attribute.shades:
             return attribute.english or attribute.word
         degree = "slightly " if attribute.strength < 0.8 else "very " if attribute.strength > 1.3 else ""
@@ -95,7 +94,8 @@ class _Captions:
         after: list[str] = []
         # A setting that is part of the noun is left out: no "studio studio"
         said = (a for a in attributes if a.slot != "setting" or (a.english or a.word) not in noun)
-        for attribute in sorted(said, key=lambda a: _BEFORE.get(a.slot, 0)):
+        before_noun = {"finish": 1, "color": 2, "material": 3}  # slot -> place; others come first
+        for attribute in sorted(said, key=lambda a: before_noun.get(a.slot, 0)):
             adjective, _, more = self.words(attribute).partition(", ")
             long = adjective.count(" ") > 1 and not attribute.color
             (after if long else before).append(adjective)
@@ -124,26 +124,17 @@ class _Captions:
     def unwanted(self, attributes: list[Attribute]) -> tuple[str, ...]:
         """Negatives of the whole image: what negated words describe, and the opposites of words about the whole image."""
         wanted = {self.words(a) for a in attributes if not a.negated}
-        negatives = (text for a in attributes for text in self._denied(a))
-        return tuple(n for n in dict.fromkeys(negatives) if n not in wanted)
-
-    def _denied(self, attribute: Attribute) -> Iterator[str]:
-        if attribute.negated:
-            yield self.words(replace(attribute, strength=1.0, shades=()))
-        elif attribute.region == "whole" and not attribute.cause and (opposite := self._opposite(attribute)):
-            yield opposite.phrase
+        negatives: dict[str, None] = {}
+        for attribute in attributes:
+            if attribute.negated:
+                negatives[self.words(replace(attribute, strength=1.0, shades=()))] = None
+            elif attribute.region == "whole" and not attribute.cause and (opposite := self._opposite(attribute)):
+                negatives[opposite.phrase] = None
+        return tuple(n for n in negatives if n not in wanted)
 
     def _opposite(self, attribute: Attribute) -> VocabularyEntry | None:
         entry = self.entries.get(attribute.entry)
         return self.vocabulary.opposite(entry) if entry else None
-
-
-def _color(attribute: Attribute) -> str:
-    """A color by its name and its basic color, "crimson red": encoders know few names of colors."""
-    kind, name = color_class(attribute), attribute.entry
-    if attribute.kind in _COLORED:
-        return f"{name} {attribute.thing}"
-    return name if kind in name.replace("gray", "grey") else f"{name} {kind}"
 
 
 NO_PROMPTS = Prompts("", "", "")  # nothing to ask an encoder

@@ -58,7 +58,6 @@ class Sources:
     key: float = 0.0  # radiance, before exposure, of a white surface that faces the key; 0 without one
 
 
-_MIRED = (0.0029, -0.0009, -0.0072)  # growth of the logarithms of warm light's RGB per mired (1e6 / K)
 _WHITE: Values = (1.0, 1.0, 1.0)
 
 Value = Callable[[Instance], Values]
@@ -101,5 +100,5 @@ def facing_radiance(
 def kelvin_color(kelvin: float) -> Values:
     """The linear RGB color of light of a temperature in kelvins, scaled to a largest component of 1."""
     mireds = 1e6 / kelvin - 1e6 / 6500.0
-    tint = [math.exp(m * mireds) for m in _MIRED]
+    tint = [math.exp(growth * mireds) for growth in (0.0029, -0.0009, -0.0072)]
     return tuple(v / max(tint) for v in tint)
