@@ -97,7 +97,9 @@ def of_material(attribute: Attribute, others: Iterable[Attribute], vocabulary: V
     entry, part = vocabulary.entries.get(attribute.entry), attribute.part
     if entry is None or entry.slot != "material" or part == "picture":
         return
-    painted = any(_colors(other, attribute) for other in others)
+    colors = [a for a in others if a.color is not None and not a.negated and a.region == attribute.region]
+    mine = {*attribute.owners}
+    painted = any(not (a.owners and mine) or not mine.isdisjoint(a.owners) for a in colors)
     # An object that mirrors or transmits its surroundings has no lightness of its own.
     families = "material/metallic", "material/transmission"
     reflects = any(e.family in families and max(e.upper, default=0.0) > 0.5 for e in entry.effects)
@@ -117,10 +119,3 @@ def of_material(attribute: Attribute, others: Iterable[Attribute], vocabulary: V
         change = 20.0 if upper == math.inf else -20.0 if lower == -math.inf else None
         ends = (lower,), (upper,)
         yield Claim(attribute.word, thing, "lightness", part, *ends, attribute.owners, change, color=srgb)
-
-
-def _colors(color: Attribute, material: Attribute) -> bool:
-    """True if a color word describes the same objects as a material word."""
-    owners = {*color.owners}, {*material.owners}
-    same = not all(owners) or not owners[0].isdisjoint(owners[1])
-    return color.color is not None and not color.negated and color.region == material.region and same

@@ -20,18 +20,18 @@ Act = tuple[Wish, Effect]  # an effect, with the wish that it comes from
 
 def acts(goals: Goals, vocabulary: Vocabulary, owners: Owners) -> list[Act]:
     """The effects of all wishes, in the order of the prompt."""
-    wishes = (wish for wish in goals.wishes if not wish.of_picture)
-    return [(wish, effect) for wish in wishes for effect in _effects(wish, vocabulary, owners)]
-
-
-def _effects(wish: Wish, vocabulary: Vocabulary, owners: Owners) -> tuple[Effect, ...]:
-    """The effects of a wish. If surfaces hide the world, a color of the surroundings is painted on those surfaces alone."""
-    color, kind = wish.attribute.color, wish.attribute.kind
-    if color and wish.effects and kind == "surroundings" and owners.world_is_hidden():
-        light = lab_from_srgb(color)[0]
-        hidden = "hidden_white" if light > 93.0 else "hidden_pale" if light > 80.0 else "hidden"
-        return vocabulary.painted[hidden]
-    return vocabulary.painted[kind] if color and wish.effects and kind == "world" else wish.effects
+    found: list[Act] = []
+    for wish in (wish for wish in goals.wishes if not wish.of_picture):
+        color, kind, effects = wish.attribute.color, wish.attribute.kind, wish.effects
+        if color and effects and kind == "surroundings" and owners.world_is_hidden():
+            # Surfaces hide the world: the color is painted on them alone.
+            light = lab_from_srgb(color)[0]
+            hidden = "hidden_white" if light > 93.0 else "hidden_pale" if light > 80.0 else "hidden"
+            effects = vocabulary.painted[hidden]
+        elif color and effects and kind == "world":
+            effects = vocabulary.painted[kind]
+        found += [(wish, effect) for effect in effects]
+    return found
 
 
 def goals_without_rig(goals: Goals, light: LightPlan) -> Goals:
@@ -46,9 +46,18 @@ def goals_without_rig(goals: Goals, light: LightPlan) -> Goals:
     every = (*goals.wishes, *(each.wish for each in goals.lost))
     lit = [wish for wish in every if wish.attribute in light.served and wish.quantity in _LIT]
     beaten = {id(w): first for w in goals.wishes for first in (*lit, *light.shown) if _outshone(w, first, light)}
-    left = tuple(_left(wish, light) for wish in goals.wishes if id(wish) not in beaten)
+    left = []
+    for wish in (wish for wish in goals.wishes if id(wish) not in beaten):
+        served = wish.attribute in light.served
+        if served or wish.implied:
+            sheds = "light/", "world/", "volume/", "film/vignette", "film/exposure"  # families that a rig sets itself
+            keeps = not served or wish.attribute.slot == "grade"
+            effects = tuple(e for e in wish.effects if keeps and not e.family.startswith(sheds))
+            strength = wish.strength * (0.5 if wish.implied else 1.0)
+            wish = replace(wish, effects=effects, claims=(), strength=strength)
+        left.append(wish)
     lost = tuple(Lost(wish, beaten[id(wish)]) for wish in goals.wishes if id(wish) in beaten)
-    return replace(goals, wishes=left, lost=(*goals.lost, *lost), shown=light.shown)
+    return replace(goals, wishes=tuple(left), lost=(*goals.lost, *lost), shown=light.shown)
 
 
 def _outshone(wish: Wish, served: Wish, light: LightPlan) -> bool:
@@ -61,18 +70,6 @@ def _outshone(wish: Wish, served: Wish, light: LightPlan) -> bool:
         return wish.of_picture and contradicts(served, wish)
     about_light = wish.attribute.slot == "lighting" or wish.attribute.color or wish.attribute in light.served
     return not about_light and wish.quantity in _LIT and contradicts(served, wish)
-
-
-def _left(wish: Wish, light: LightPlan) -> Wish:
-    """A wish without what a rig sets itself; a wish that is neither served by the rig nor implied stays as it is."""
-    served = wish.attribute in light.served
-    if not (served or wish.implied):
-        return wish
-    # families that a rig sets itself
-    lit = "light/", "world/", "volume/", "film/vignette", "film/exposure"
-    keeps = not served or wish.attribute.slot == "grade"
-    effects = tuple(e for e in wish.effects if keeps and not e.family.startswith(lit))
-    return replace(wish, effects=effects, claims=(), strength=wish.strength * (0.5 if wish.implied else 1.0))
 
 
 def grade_of(light: LightPlan) -> Iterator[Act]:

@@ -7,7 +7,7 @@ from itertools import groupby
 from typing import Any, Protocol
 
 from ..goals.resolve import Goals
-from ..schema import Instance, Values, VibeError, labels
+from ..schema import Instance, VibeError, labels
 from ..words.attributes import color_class
 from ..words.lexicon.entries import VocabularyEntry
 from ..words.lexicon.user_words import default_vocabulary
@@ -20,7 +20,6 @@ _MOST = 5  # words per caption: short ones are understood better
 _OF_MATTER = ("color", "finish", "material", "setting")
 _KINDS = {"subject": ("subject", "highlight", "glow"), "surroundings": ("surroundings", "sky")}
 """Region -> kinds of targets that its caption describes."""
-_UNNAMED = {"subject": "object", "surroundings": "background"}  # region -> its noun if the prompt has none
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,7 @@ def compose(parsed: Parsed, overruled: Collection[Attribute] = (), vocabulary: V
 
 def _called(region: str, parsed: Parsed) -> str:
     name = next((o.name for o in parsed.objects if o.region == region), region)
-    return _UNNAMED[region] if name in ("", region) else name
+    return {"subject": "object", "surroundings": "background"}[region] if name in ("", region) else name
 
 
 def _is_of(region: str, attribute: Attribute) -> bool:
@@ -212,7 +211,9 @@ def explain(goals: Goals, prompts: Prompts, plan: Plan) -> str:
     moving = sorted((e.priority, key) for key, e in plan.items() if e.priority is not None)
     for priority, key in moving:
         entry = plan[key]
-        shown = _range(key, entry.lower, entry.upper)
+        shown = labels.text(key, entry.upper)
+        if entry.lower != entry.upper:
+            shown = f"{labels.bare(key, entry.lower)} .. {shown}"
         lines.append(f"  {priority:3d}  {labels.title(key)}: {shown}  {entry.reason}")
     kept = len(plan) - len(moving)
     lines.append(f"  {kept} other parameters keep the artist's value.")
@@ -247,8 +248,3 @@ def as_dict(goals: Goals, prompts: Prompts, plan: Plan) -> dict:
         "guesses": parsed.guesses,
         "notes": list(plan.notes),
     }
-
-
-def _range(key: str, lower: Values, upper: Values) -> str:
-    last = labels.text(key, upper)
-    return last if lower == upper else f"{labels.bare(key, lower)} .. {last}"

@@ -103,10 +103,12 @@ def entries_of(pictured: Sequence[Wish], instances: Mapping[str, Instance]) -> d
     colors = None if same or exact else light_colors(claims)
     entries = {}
     for key, instance in instances.items():
-        name, effect = next((each for each in effects if _acts_on(each[1], instance)), ("", None))
-        if effect is None:
+        family, owners = instance.parameter.family, ("lights", instance.role)
+        acting = ((n, e) for n, e in effects if e.family == family and e.owner in (*owners, OWNERS[e.owner]))
+        name, effect = next(acting, ("", None))
+        if effect is None or instance.locked:
             continue
-        family, (lower, upper) = instance.parameter.family, _range(effect, instance)
+        lower, upper = _range(effect, instance)
         if exact:
             ends, reason = clip(lower, upper, instance), f"as light comes in {name}"
             entries[key] = PlanEntry(*ends, effect.priority, reason, prior=0.0)
@@ -124,11 +126,6 @@ def entries_of(pictured: Sequence[Wish], instances: Mapping[str, Instance]) -> d
         reason = f"free to come to look like {name}"
         entries[key] = PlanEntry(*ends, effect.priority, reason, HELD_LIGHTLY, any_hue=not lit)
     return entries
-
-
-def _acts_on(effect: Effect, instance: Instance) -> bool:
-    owned = effect.owner in ("lights", OWNERS[effect.owner], instance.role)
-    return owned and effect.family == instance.parameter.family and not instance.locked
 
 
 def _range(effect: Effect, instance: Instance) -> tuple[Values, Values]:

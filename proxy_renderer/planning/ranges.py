@@ -42,7 +42,14 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
         return _shown_strength(srgb, instance, sources)
     if effect.mode == "cast":
         amount = _MOOD * 0.2 if attribute.kind in ("ambience", "fog") else 0.2
-        cast = _cast(linear_from_srgb(srgb), 0.06 if instance.parameter.name == "lift" else amount)
+        amount = 0.06 if instance.parameter.name == "lift" else amount
+        # factors (R, G, B) around 1; a pale color gets a visible cast, too
+        gel = _gel(linear_from_srgb(srgb), 1.0)
+        mean = sum(gel) / 3
+        away = [(v - mean) / max(mean, 0.2) for v in gel]
+        most = max(map(abs, away))
+        scale = amount * max(most, 0.7) / most if most > 0.02 else 0.0
+        cast = [1 + scale * v for v in away]
         faint, strong = (tuple(1 + share * (v - 1) for v in cast) for share in (0.6, 1.5))
         lower, upper = tuple(map(min, faint, strong)), tuple(map(max, faint, strong))
         return tuple(v - 0.01 for v in lower), tuple(v + 0.01 for v in upper)
@@ -97,31 +104,10 @@ def shaded(srgb: Values, attribute: Attribute) -> Values:
     return srgb
 
 
-def beyond_present(low: Values, high: Values, attribute: Attribute, instance: Instance) -> Range:
-    """A range of linear colors, moved to the side of the present color that "darker walnut" or "paler oak" asks for."""
-    said = (attribute.english or attribute.word).split()
-    present, factor = luminance(instance.value), 1.0
-    if "darker" in said:
-        factor = min(_STEP * present / max(luminance(high), 1e-6), 1.0)
-    elif "lighter" in said or "paler" in said:
-        factor = max(present / _STEP / max(luminance(low), 1e-6), 1.0)
-    return tuple(v * factor for v in low), tuple(v * factor for v in high)
-
-
 def _gel(linear: Values, purity: float) -> Values:
     """The color with its largest component at 1, and not fully saturated: filters and fog never are."""
     top = max(linear)
     return tuple(1 - purity * (1 - v / top) for v in linear) if top > 0.01 else (1.0, 1.0, 1.0)
-
-
-def _cast(linear: Values, amount: float) -> Values:
-    """Factors (R, G, B) around 1 by which the film gets a cast of a linear color; a pale color gets a visible cast, too."""
-    gel = _gel(linear, 1.0)
-    mean = sum(gel) / 3
-    away = [(v - mean) / max(mean, 0.2) for v in gel]
-    most = max(map(abs, away))
-    scale = amount * max(most, 0.7) / most if most > 0.02 else 0.0
-    return tuple(1 + scale * v for v in away)
 
 
 def _shown_strength(srgb: Values, instance: Instance, sources: Sources) -> Range:
@@ -157,7 +143,14 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
     else:
         low, high = _MODES.get(effect.mode, _plain)(effect, attribute.strength, instance, sources)
     if attribute.shades and effect.name in OWN_COLOR:
-        low, high = beyond_present(low, high, attribute, instance)
+        # "darker walnut" and "paler oak" lie on that side of the present color
+        said = (attribute.english or attribute.word).split()
+        present, factor = luminance(instance.value), 1.0
+        if "darker" in said:
+            factor = min(_STEP * present / max(luminance(high), 1e-6), 1.0)
+        elif "lighter" in said or "paler" in said:
+            factor = max(present / _STEP / max(luminance(low), 1e-6), 1.0)
+        low, high = tuple(v * factor for v in low), tuple(v * factor for v in high)
     if instance.parameter.name == "emission_color" and effect.family.startswith("light/"):
         low, high = _over_glow(low, high, _computed_glow(instance, sources))
     if effect.family == "material/emission" and not effect.mode and instance.owner in sources.scene.emitters:

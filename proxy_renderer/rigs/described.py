@@ -106,7 +106,15 @@ def _parts_for(words: Sequence[Attribute], table: RigTable, lights: int) -> tupl
 def composed(light: DescribedLight, lights: Sequence[RigLight], table: RigTable, vocabulary: Vocabulary) -> RigLight:
     """The light that words describe; it replaces the rig's own light of that part, if `lights` has one."""
     base, key = (next((x for x in lights if x.part == part), None) for part in (light.part, "key"))
-    made = _placed(_template(light, base, key, table), light, table)
+    made = _template(light, base, key, table)
+    azimuth, elevation = _direction(light.said, table)
+    if azimuth is not None and not (light.part in FILLS and azimuth == table.modifiers["side light"].azimuth):
+        # An edge light on a side stands there behind the subject, and a fill "from the side" stays on the dark side.
+        if light.part in EDGES and 20.0 < abs(azimuth) < _EDGE:
+            azimuth = math.copysign(_EDGE, azimuth)
+        made = replace(made, azimuth=azimuth, mirrored=False, through="")
+    if elevation is not None:
+        made = replace(made, elevation=elevation)
     if any((m := table.modifier(a.entry)) and m.kelvin and not a.negated for a in light.said):
         made = replace(made, color="")  # "cold backlight" where the rig has an orange one
     if light.own and base in table.plain.lights and source_of(light.said, table) is None:
@@ -184,21 +192,6 @@ def _template(light: DescribedLight, base: RigLight | None, key: RigLight | None
         away = abs(made.azimuth) if base and not head else 100.0  # on the side opposite to the key
         made = replace(made, azimuth=-away if key.azimuth > 0 else away)
     return replace(made, part=light.part, own=light.own)
-
-
-def _placed(made: RigLight, light: DescribedLight, table: RigTable) -> RigLight:
-    """A light at the place that words give it.
-
-    An edge light on a side stands there behind the subject, and a fill "from the side" stays on the dark side.
-    """
-    azimuth, elevation = _direction(light.said, table)
-    if light.part in FILLS and azimuth == table.modifiers["side light"].azimuth:
-        azimuth = None
-    if azimuth is not None:
-        if light.part in EDGES and 20.0 < abs(azimuth) < _EDGE:
-            azimuth = math.copysign(_EDGE, azimuth)
-        made = replace(made, azimuth=azimuth, mirrored=False, through="")
-    return made if elevation is None else replace(made, elevation=elevation)
 
 
 def _places(said: Iterable[Attribute], table: RigTable) -> list[tuple[str, Modifier]]:

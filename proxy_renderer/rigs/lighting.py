@@ -17,7 +17,7 @@ from ..planning.ranges import within
 from ..planning.types import LightPlan, PlanEntry
 from ..render.material.inputs import geometry_of
 from ..scene import SceneData
-from ..schema import Instance, Values, orbit, radiometry
+from ..schema import Values, orbit, radiometry
 from ..schema.added_lights import CARD, CARD_AWAY, card
 from ..words.lexicon.rigs import Rig
 from ..words.types import GLOW, Attribute, Parsed
@@ -315,7 +315,7 @@ def _word_for(chosen: ChosenRig, part: str, name: str) -> str:
 def _entries(
     scene: SceneData, chosen: ChosenRig, lights: Sequence[Placed], values: Mapping[str, Values]
 ) -> dict[str, PlanEntry]:
-    """The plan of a rig's values. If the key may stand on either side, variants may turn the lights."""
+    """The ranges around a rig's values, where the search begins. If the key may stand on either side, variants may turn lights."""
     any_side = any(each.light.mirrored and not each.fixed for each in lights[:1])
     parts = {x.name: x.light.part for x in lights}
     still = {each.name for each in lights if each.fixed or each.own}
@@ -323,8 +323,18 @@ def _entries(
     entries = {}
     for key, value in values.items():
         if key in free:
-            word = _word_for(chosen, parts.get(free[key].owner, ""), free[key].parameter.name)
-            entries[key] = _entry(free[key], value, word, still, any_side)
+            instance, name = free[key], free[key].parameter.name
+            ends, turns = (value, value), name in _TURN and instance.owner not in still
+            if name in _DRIFT:
+                ends = tuple(v / _DRIFT[name] for v in value), tuple(v * _DRIFT[name] for v in value)
+            elif turns:
+                ends = tuple(v - _TURN[name] for v in value), tuple(v + _TURN[name] for v in value)
+            lower, upper = (within(end, instance.lower, instance.upper) for end in ends)
+            bright = name in ("power", "strength") and instance.parameter.group in ("light", "world")
+            word, varies = _word_for(chosen, parts.get(instance.owner, ""), name), turns and any_side
+            where = lower, upper, 1 if bright else 4
+            start = within(value, lower, upper)
+            entries[key] = PlanEntry(*where, f"'{word}'", 0.0, usual=True, varies=varies, start=start)
     # The scene's lights that play a part but hang in no lamp stay, but variants may vary.
     hanging = [x.name for x in lights if any_side and x.own and not (x.fixed or x.light.worn)]
     for key in (f"light/{name}/{angle}" for name in hanging for angle in _TURN):
@@ -332,22 +342,3 @@ def _entries(
             own = free[key].value
             entries[key] = PlanEntry(own, own, None, "stays where it is", 0.0, usual=True, varies=True)
     return entries
-
-
-def _entry(instance: Instance, value: Values, word: str, still: set[str], any_side: bool) -> PlanEntry:
-    """The range around the value that the rig gives a parameter; the search begins at that value.
-
-    With `any_side`, variants may turn the lights.
-    """
-    name = instance.parameter.name
-    turns = name in _TURN and instance.owner not in still
-    if name in _DRIFT:
-        ends = tuple(v / _DRIFT[name] for v in value), tuple(v * _DRIFT[name] for v in value)
-    elif turns:
-        ends = tuple(v - _TURN[name] for v in value), tuple(v + _TURN[name] for v in value)
-    else:
-        ends = value, value
-    lower, upper = (within(end, instance.lower, instance.upper) for end in ends)
-    bright = name in ("power", "strength") and instance.parameter.group in ("light", "world")
-    start, varies = within(value, lower, upper), turns and any_side
-    return PlanEntry(lower, upper, 1 if bright else 4, f"'{word}'", 0.0, usual=True, varies=varies, start=start)

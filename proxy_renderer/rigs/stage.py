@@ -48,7 +48,9 @@ class LightStage:
         points, mine = _seen(scene, geometry)
         # points of the subject, and of the rest; all points for one of these that has hardly any
         parts = (part if int(part.sum()) >= 8 else torch.ones_like(part) for part in (mine, ~mine))
-        self.subject, self.around = (_some(points, part) for part in parts)
+        chosen = (part.nonzero()[:, 0] for part in parts)
+        some = [x if len(x) <= _MOST else x[torch.linspace(0, len(x) - 1, _MOST).long()] for x in chosen]
+        self.subject, self.around = (Points(*(v[..., x].contiguous() for v in vars(points).values())) for x in some)
         if len(self.subject):
             self.middle = self.subject.position.median(1).values  # (3,) of the subject
             away = (self.subject.position - self.middle[:, None]).norm(dim=0)
@@ -165,13 +167,6 @@ def _seen(scene: SceneData, geometry: RayGeometry) -> tuple[Points, Tensor]:
     polished = (rough < 0.25)[material] & (normal[2] > 0.95)
     points = Points(geometry.lifted(surface).cpu(), normal, albedo[material], mirrored, polished)
     return points, subjects[surface.object].cpu()
-
-
-def _some(points: Points, mine: Tensor) -> Points:
-    index = mine.nonzero()[:, 0]
-    if len(index) > _MOST:
-        index = index[torch.linspace(0, len(index) - 1, _MOST).long()]
-    return Points(*(values[..., index].contiguous() for values in vars(points).values()))
 
 
 def _albedo(scene: SceneData, material: Material) -> float:

@@ -69,7 +69,7 @@ MEASURES: dict[str, Measure] = {
     "median": Measure(color.tone(0.5), "L*", 2.0, "median lightness of the {}"),
     "upper_quartile": Measure(color.tone(0.75), "L*", 2.0, "lightness of the lighter quarter of the {}"),
     "spread": Measure(color.spread, "L*", 3.0, "lightness range of the {}"),
-    "cast": Measure(color.cast, "a*b*", 2.0, "cast of the {}"),
+    "cast": Measure(color.cast_between(0.0, 1.0), "a*b*", 2.0, "cast of the {}"),
     "shadow_cast": Measure(color.cast_between(0.02, 0.25), "a*b*", 2.0, "cast of shadows of the {}"),
     "midtone_cast": Measure(color.cast_between(0.25, 0.75), "a*b*", 2.0, "cast of midtones of the {}"),
     "highlight_cast": Measure(color.cast_between(0.75, 0.98), "a*b*", 2.0, "cast of highlights of the {}"),

@@ -2,7 +2,7 @@
 """Measures of color and tone: functions of an image and a region `where` (H, W) bool of its pixels."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from itertools import product
 
 import torch
@@ -178,23 +178,6 @@ def chromaticity_of(mean: Tensor) -> Tensor:
     return mean[1:] * (60.0 / mean[0].clamp_min(20.0))
 
 
-class RegionMeans:
-    """The measure `mean` of many regions at once, each (H, W) bool, with a number as its key."""
-
-    def __init__(self, regions: Mapping[int, Tensor]) -> None:
-        self._numbers = tuple(regions)
-        pixels = [where.flatten().nonzero(as_tuple=True)[0] for where in regions.values()]
-        self._pixels = torch.cat(pixels)
-        self._counts = self._pixels.new_tensor([len(each) for each in pixels])
-        self._owners = torch.arange(len(pixels), device=self._pixels.device).repeat_interleave(self._counts)
-
-    def of(self, picture: MeasuredPicture) -> dict[int, Tensor]:
-        """An image's means, each (3,) OKLab, times 100, by the regions' numbers."""
-        colors = picture.oklab.flatten(0, 1)[self._pixels]
-        sums = colors.new_zeros(len(self._counts), 3).index_add(0, self._owners, colors)
-        return dict(zip(self._numbers, (sums / self._counts[:, None]).unbind(), strict=True))
-
-
 def tone(share: float) -> Take:
     """The measure of the lightness below which a share of a region's pixels lies: (1,) L*."""
     return lambda picture, where: lightness_below(picture, where, share)[None]
@@ -205,14 +188,11 @@ def spread(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return (lightness_below(picture, where, 0.9) - lightness_below(picture, where, 0.1))[None]
 
 
-def cast(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Color cast: mean of a* and b* in which a region's grayest pixels count most: (2,) of CIE Lab."""
-    lab = picture.lab[where]
-    return grayness(lab) @ lab[:, 1:]
-
-
 def cast_between(low: float, high: float) -> Take:
-    """The measure of the `cast` of the pixels between two shares, in [0, 1], of a region in order of lightness: (2,)."""
+    """The measure of the color cast of the pixels between two shares, in [0, 1], of a region in order of lightness: (2,).
+
+    It is the mean of a* and b*, CIE Lab, in which the grayest pixels count most.
+    """
 
     def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
         lab = picture.lab[where]

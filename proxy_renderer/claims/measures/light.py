@@ -56,12 +56,17 @@ def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     # The edges of a pattern, where the texture changes by more stops per pixel, are no shadows.
     even = (largest_around(turn, 3) < 0.15) & (largest_around(fade, 3) < 0.15)
     smooth = where & same & ~outline & even & (seen.material >= 0)
-    if smooth.sum() < FEW:
-        return picture.luminance.new_zeros(1)
-    rows, columns = torch.gradient((picture.shading.clamp_min(0) + _FLOOR).log2())
-    slope = (rows.square() + columns.square() + 1e-8).sqrt()[smooth].sort().values
-    steepest = slope[round(0.985 * len(slope)) : max(round(0.995 * len(slope)), 1)]
-    return steepest.mean()[None] * (max(smooth.shape) / GRAIN)
+    return _steepest((picture.shading.clamp_min(0) + _FLOOR).log2(), smooth, 0.985, 0.995)
+
+
+def _steepest(field: Tensor, where: Tensor, low: float, high: float) -> Tensor:
+    """(1,) mean slope of a field (H, W) between two shares of a region in order of slope, per pixel of an image 192 pixels long."""
+    if where.sum() < FEW:
+        return field.new_zeros(1)
+    rows, columns = torch.gradient(field)
+    slope = (rows.square() + columns.square() + 1e-8).sqrt()[where].sort().values
+    first, last = round(low * len(slope)), round(high * len(slope))
+    return slope[first : max(last, first + 1)].mean()[None] * (max(where.shape) / GRAIN)
 
 
 def key_to_fill(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -193,12 +198,7 @@ def sharpness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     material = picture.seen.material.float()
     same = largest_around(material, 3) == -largest_around(-material, 3)
     inside = where & same & ~(largest_around(~where, 5) > 0)
-    if inside.sum() < FEW:
-        return picture.luminance.new_zeros(1)
-    rows, columns = torch.gradient(picture.lab[..., 0])
-    slope = (rows.square() + columns.square() + 1e-8).sqrt()[inside].sort().values
-    first, last = (round(share * len(slope)) for share in (0.97, 0.995))
-    return slope[first : max(last, first + 1)].mean()[None] * (max(where.shape) / GRAIN)
+    return _steepest(picture.lab[..., 0], inside, 0.97, 0.995)
 
 
 def _by_material(picture: MeasuredPicture, where: Tensor, take: Callable[[Tensor, Tensor, Tensor], Tensor]) -> Tensor:
