@@ -118,19 +118,13 @@ class Claim:
         return light, x * along - y * across, y * along + x * across
 
     def _hue_weight(self, along: Tensor) -> Tensor:
-        """The weight () of a color's distance across the wanted hue, from its chroma () along that hue.
-
-        The tolerance is a share of the wanted chroma. The same distance is a larger angle of hue in a paler color, so it counts more.
-        """
+        """The weight () of a color's distance across the wanted hue, from its chroma () along that hue."""
+        # The tolerance is a share of the wanted chroma. In a paler color the same distance is a larger angle of hue.
         wanted = (self.lower[1] + self.upper[1]) / 2
         return (wanted / along.clamp_min(1.0)).clamp(1.0, 2.0)
 
     def interval(self, before: Tensor | None) -> tuple[Values, Values]:
-        """The lower and the upper end, in the measure's unit, with a sufficient change taken into account.
-
-        Args:
-            before: (n,) value of the artist's image; None if it is not known, for the claim's own ends.
-        """
+        """The lower and the upper end, with a sufficient change since the artist's image, of value `before` (n,), if that is known."""
         if self.by and before is not None:
             own, step = before.tolist(), before.new_tensor(self.notice).expand_as(before).tolist()
             least, most = (
@@ -171,12 +165,9 @@ class Claim:
     def aim(
         self, value: Tensor, before: Tensor | None, ends: tuple[Tensor, Tensor] | None = None
     ) -> tuple[Tensor, Tensor, Tensor]:
-        """A value (n,) and its interval, in noticeable steps times the weight, with the ends moved inward: what the search looks for.
-
-        The `ends` of an earlier call for the same type of value can be given, to save time.
-        """
+        """A value (n,) and its interval, in noticeable steps times the weight, with the ends moved inward: what the search looks for."""
         notice = value.new_tensor(self.notice)
-        if ends is None:
+        if ends is None:  # not known from an earlier call for a value of the same type
             lower, upper = (value.new_tensor(end) / notice for end in self.interval(before))
             half = (upper - lower) / 2
             if self.measure == "color":  # the very end of the interval of navy looks like another blue to some people
@@ -204,11 +195,8 @@ class Claim:
         return float(((before - core) / notice).norm() - ((after - core) / notice).norm())
 
     def is_sure(self, before: Tensor | None, after: Tensor | None, share: float) -> bool:
-        """True if judges can see the verdict on a target with this share of the image.
-
-        The claim was satisfied already, or the value changed by as many noticeable steps as judges need for this measure.
-        """
-        steps = quantities().seen.get(self.measure, 1.0)
+        """True if judges can see the verdict on a target with this share of the image."""
+        steps = quantities().seen.get(self.measure, 1.0)  # that judges need
         if math.isinf(steps) or share < 0.02 or before is None or after is None:
             return False
         return self.was_so(before, after) or self.gain(before, after) >= steps

@@ -123,24 +123,21 @@ def _of_text(text: ClaimText, wish: Wish) -> Claim:
 
 
 def _with_accents(rows: list[tuple[Wish, list[Claim]]]) -> list[tuple[Wish, list[Claim]]]:
-    """The rows (wish, its claims), in which some tints of the whole image become accents, see `as_accent`.
-
-    They are tints of opposite hues, which one image cannot have all over, and tints of several lights.
-    """
+    """The rows (wish, its claims), in which some tints of the whole image become accents, see `as_accent`."""
+    # Tints of opposite hues, which one image cannot have all over, and tints of several lights
     colored = [(wish.attribute, c) for wish, row in rows if wish.attribute.color for c in row]
     tints = [(a, c) for a, c in colored if (c.part, c.measure) == ("picture", "tint")]
     lights = [wish.attribute for wish, _ in rows if wish.quantity == "light_color"]
-    opposed = [c for _, c in tints if any(_cosine(c, other) < -0.5 for _, other in tints)]
+    cosines = [
+        (c, sum(a * b for a, b in zip(c.direction, d.direction, strict=True))) for _, c in tints for _, d in tints
+    ]
+    opposed = [c for c, cosine in cosines if cosine < -0.5]
     opposed += [c for a, c in tints if any(a.is_of_another_light(light) for light in lights)]
     words, found = {c.word for c in opposed}, []
     for wish, row in rows:
         row = [c for c in row if c.measure != "off_hue" or c.word not in words]
         found.append((wish, [as_accent(c) if c in opposed else c for c in row]))
     return found
-
-
-def _cosine(first: Claim, second: Claim) -> float:
-    return sum(a * b for a, b in zip(first.direction, second.direction, strict=True))
 
 
 def _narrows(claim: Claim, usual: bool, first: Claim) -> bool:
@@ -223,10 +220,7 @@ def _still(part: Part, width: Values, measure: str = "mean", **where: Any) -> Cl
 
 
 def _of_every_image(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
-    """The claims of every image: the subject is visible, and nothing is overexposed, clipped, gaudy or drowned in black.
-
-    Each is also satisfied by an image that is no worse than the artist's.
-    """
+    """The claims of every image: the subject is visible, and nothing is overexposed, clipped, gaudy or drowned in black."""
     dark = goals.classes.get("brightness") == "dark"
     lightness = [lab_from_srgb(c.color)[0] for c in claims if c.color]
     yield Claim.unsaid("subject", "separation", lower=10.0)

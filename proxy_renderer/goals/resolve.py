@@ -130,10 +130,8 @@ def _axis(claim: ClaimText) -> tuple[object, ...]:
 
 
 def _disjoint_claims(first: Wish, later: Wish) -> bool:
-    """True if two wishes claim disjoint intervals of one measure of one part.
-
-    A claim of the first wish about the whole image also counts against an implied or usual claim about the surroundings.
-    """
+    """True if two wishes claim disjoint intervals of one measure of one part."""
+    # A claim of the first about the whole image also counts against an implied or usual claim about the surroundings.
     yields = later.implied or later.usual > 0
     return any(
         _apart(a, b)
@@ -316,8 +314,23 @@ def resolved(parsed: Parsed, wishes: Sequence[Wish]) -> Goals:
     A word whose visible wishes all lose also drops its other wishes. Wishes that these had overridden can then win.
     """
     idle: set[int] = set()  # ids of the words that have lost all visible wishes
+    ranked = sorted(wishes, key=lambda each: each.rank)  # equal ranks stay in the order of the prompt
+    kept, lost = list[Wish](), list[Lost]()
+
+    def compete(wish: Wish, winner: Wish | None = None) -> None:
+        """Keeps a wish, unless there is a winner already or among the wishes that are kept."""
+        pairs = ((each, sorted((each, wish), key=lambda w: w.rank)) for each in kept)
+        winner = winner or next((each for each, pair in pairs if contradicts(*pair)), None)
+        if winner is None:
+            kept.append(wish)
+        else:
+            lost.append(Lost(wish, winner))
+
     while True:
-        kept, lost = _by_rank([wish for wish in wishes if wish.is_seen or id(wish.attribute) not in idle])
+        kept, lost = [], []
+        for wish in ranked:
+            if wish.is_seen or id(wish.attribute) not in idle:
+                compete(wish)
         # Words whose visible wishes are all overridden -> the first winner. Words for surfaces are never among them.
         seen = (each for each in reversed(lost) if each.wish.is_seen and each.wish.attribute.slot not in SURFACES)
         unseen = {id(each.wish.attribute): each.winner for each in seen}
@@ -327,28 +340,8 @@ def resolved(parsed: Parsed, wishes: Sequence[Wish]) -> Goals:
         if unseen.keys() <= idle:
             break
         idle |= unseen.keys()
-    for wish in sorted(wishes, key=lambda each: each.rank):
-        if wish.is_seen or id(wish.attribute) not in idle:
-            continue
-        pairs = ((each, sorted((each, wish), key=lambda w: w.rank)) for each in kept)
-        opponent = next((each for each, pair in pairs if contradicts(*pair)), None)
-        winner = unseen.get(id(wish.attribute)) or opponent
-        if winner is None:
-            kept.append(wish)
-        else:
-            lost.append(Lost(wish, winner))
+    for wish in ranked:
+        if not wish.is_seen and id(wish.attribute) in idle:
+            compete(wish, unseen.get(id(wish.attribute)))
     sought = {id(wish) for wish in kept}
     return Goals(parsed, tuple(wish for wish in wishes if id(wish) in sought), tuple(lost))
-
-
-def _by_rank(wishes: Sequence[Wish]) -> tuple[list[Wish], list[Lost]]:
-    """The wishes that are kept, and the wishes that contradict a kept one, which ranks before them."""
-    kept: list[Wish] = []
-    lost: list[Lost] = []
-    for wish in sorted(wishes, key=lambda each: each.rank):  # equal ranks stay in the order of the prompt
-        winner = next((first for first in kept if contradicts(first, wish)), None)
-        if winner is None:
-            kept.append(wish)
-        else:
-            lost.append(Lost(wish, winner))
-    return kept, lost

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A wish: the request of one word about one quantity. Parameter ranges and claims about the image are computed from it."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import cast
@@ -14,11 +14,7 @@ from ..words.lexicon.quantities import ClaimText, Quantity, quantities
 from ..words.lexicon.vocabulary import Vocabulary
 from ..words.types import Attribute, Part
 
-_OWN: Mapping[str, tuple[str, ...]] = {
-    "material": ("color", "substance", "glow"),
-    "atmosphere": ("haze", "haze_color"),
-    "setting": (),
-}
+_OWN = {"material": ("color", "substance", "glow"), "atmosphere": ("haze", "haze_color"), "setting": ()}
 """Slot -> the quantities that its words are about. For all other quantities they say what is usual, which other words override:
 a rainy day is gray, but not if the prompt calls it golden; gold is shiny, but not if the prompt calls it matte."""
 PAINTED = ("color", "surroundings_color")  # quantities whose classes are basic colors
@@ -176,10 +172,7 @@ def _allowed(effects: Iterable[Effect], attribute: Attribute) -> tuple[Effect, .
 
 
 def _denied(entry: VocabularyEntry, vocabulary: Vocabulary) -> list[EntryWish]:
-    """The wishes of a negated word.
-
-    They come from the entry's own `never` wishes, else from its opposite, else from its effects at values that change nothing.
-    """
+    """The wishes of a negated word: the entry's own `never` wishes, else its opposite's, else effects that change nothing."""
     opposite = vocabulary.opposite(entry)
     # An opposite may have classes in common with the word: pastel and noir are both muted.
     shared = entry.classes.items() & opposite.classes.items() if opposite else set()

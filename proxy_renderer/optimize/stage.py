@@ -95,8 +95,8 @@ def set_stage(
     spare = [ADDED_LIGHTS[light.name] for light in first.standby.lights if light.name in _SPARE]
     roles = {light.name: light.role for light in spare}
     instances = dict(first.instances)
-    names = missing_lights(goals, instances, understood.scene, roles, vocabulary) if new_lights else []
-    parts = asks_for_backdrop(goals, instances, understood.scene, vocabulary)
+    names = missing_lights(goals, instances, understood.scene, roles) if new_lights else []
+    parts = asks_for_backdrop(goals, instances, understood.scene)
     if parts and all(scene.may_have_backdrop for scene in scenes):
         scenes = [scene.with_backdrop() for scene in scenes]
     scenes = [scene.with_lights(names) if names else scene for scene in scenes]

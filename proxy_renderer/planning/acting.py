@@ -9,7 +9,7 @@ from ..goals.resolve import Goals, Lost, contradicts
 from ..goals.wish import Wish
 from ..words.lexicon.entries import Effect
 from ..words.lexicon.quantities import quantities
-from ..words.lexicon.vocabulary import Vocabulary
+from ..words.lexicon.user_words import default_vocabulary
 from .owners import Owners
 from .types import LightPlan
 
@@ -18,9 +18,9 @@ STAGES = 3  # number of stages, see `stage_of`
 Act = tuple[Wish, Effect]  # an effect, with the wish that it comes from
 
 
-def acts(goals: Goals, vocabulary: Vocabulary, owners: Owners) -> list[Act]:
+def acts(goals: Goals, owners: Owners) -> list[Act]:
     """The effects of all wishes, in the order of the prompt."""
-    found: list[Act] = []
+    found, vocabulary = list[Act](), default_vocabulary()
     for wish in (wish for wish in goals.wishes if not wish.of_picture):
         color, kind, effects = wish.attribute.color, wish.attribute.kind, wish.effects
         if color and effects and kind == "surroundings" and owners.world_is_hidden():
@@ -61,11 +61,7 @@ def goals_without_rig(goals: Goals, light: LightPlan) -> Goals:
 
 
 def _outshone(wish: Wish, served: Wish, light: LightPlan) -> bool:
-    """True if a rig's wish, `served`, overrides another wish: the light of an "old" well in moonlight is not warm.
-
-    A wish of a reference image is overridden if it contradicts one that the rig shows; a wish of a word only if the word is not
-    about light.
-    """
+    """True if a rig's wish, `served`, overrides another wish: the light of an "old" well in moonlight is not warm."""
     if wish.of_picture or served in light.shown:
         return wish.of_picture and contradicts(served, wish)
     about_light = wish.attribute.slot == "lighting" or wish.attribute.color or wish.attribute in light.served
@@ -85,11 +81,8 @@ def is_usual(wish: Wish, effect: Effect) -> bool:
 
 
 def stage_of(effect: Effect) -> int:
-    """The stage, from 0, in which an effect is applied.
-
-    The world's strength, and shares of the key's light, come in stage 1: they depend on the world's color and the key. Effects with
-    a material's own color come in stage 2.
-    """
+    """The stage, from 0, in which an effect is applied."""
     if effect.color == "own":
         return 2
+    # Shares of the key's light depend on the key, and the world's strength depends on its color.
     return 1 if effect.mode == "share" or effect.family == "world/strength" else 0

@@ -78,10 +78,7 @@ def _cosine(one: tuple[float, float], other: tuple[float, float]) -> float:
 
 
 def plan_with_picture(plan: Plan, goals: Goals, instances: Mapping[str, Instance], vocabulary: Vocabulary) -> Plan:
-    """A plan of words, extended by a reference image; without one the same plan.
-
-    Values that words name keep their entries. Of the rest, only those that the image's wishes are about may change.
-    """
+    """A plan of words, extended by a reference image; without one the same plan. Values that words name keep their entries."""
     pictured = goals_with_picture(goals, vocabulary).pictured
     if not pictured:
         return plan

@@ -11,7 +11,6 @@ from ..goals.wish import Wish
 from ..schema import Instance, Values, labels
 from ..words.lexicon.entries import OWNERS, Effect
 from ..words.lexicon.user_words import default_vocabulary
-from ..words.lexicon.vocabulary import Vocabulary
 from ..words.types import GLOW, Attribute, SceneDescription
 from .acting import STAGES, acts, goals_without_rig, grade_of, is_usual, stage_of
 from .light_levels import Sources, WorldLook, facing_radiance
@@ -117,20 +116,14 @@ _GRADES = {
 """Limits of the grade next to a rig, whose light already makes most of the look."""
 
 
-def plan(
-    goals: Goals,
-    instances: dict[str, Instance],
-    scene: SceneDescription,
-    vocabulary: Vocabulary | None = None,
-    light: LightPlan | None = None,
-) -> Plan:
+def plan(goals: Goals, instances: dict[str, Instance], scene: SceneDescription, light: LightPlan | None = None) -> Plan:
     """The plan of a scene: for each of its parameters, given by key, how far the search may move it, and why.
 
     A parameter that words name gets a range, into which its value is moved, and a priority. A few others may move a little to
     keep the subject visible. The rest keeps the artist's value.
     """
     light = light or LightPlan()
-    planner = _Planner(goals, instances, scene, vocabulary or default_vocabulary(), light)
+    planner = _Planner(goals, instances, scene, light)
     entries = planner.entries()
     lit = {key: entry for key, entry in light.entries.items() if not planner.instances[key].locked}
     if any(planner.owners.gives_backdrop(*act) for act in planner.acts):  # it replaces the rig's sky
@@ -156,16 +149,9 @@ def plan(
 
 
 class _Planner:
-    def __init__(
-        self,
-        goals: Goals,
-        instances: dict[str, Instance],
-        scene: SceneDescription,
-        vocabulary: Vocabulary,
-        light: LightPlan,
-    ) -> None:
+    def __init__(self, goals: Goals, instances: dict[str, Instance], scene: SceneDescription, light: LightPlan) -> None:
         parsed = self.parsed = goals.parsed
-        self.vocabulary = vocabulary
+        self.vocabulary = default_vocabulary()
         self.instances = {key: protected(i, parsed) for key, i in instances.items()}
         self.owners = Owners(parsed, self.instances, scene)
         stops = [i.value[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure")]
@@ -173,8 +159,15 @@ class _Planner:
         self.notes = [*parsed.notes, *goals.notes()]
         self.agreed = Agreements()
         self.kept: dict[str, list[str]] = {}
-        self.acts = [*acts(goals_without_rig(goals, light), vocabulary, self.owners), *grade_of(light)]
-        self.of_materials = self._of_materials()
+        self.acts = [*acts(goals_without_rig(goals, light), self.owners), *grade_of(light)]
+        # key -> the value that a parameter gets from a material that a word names, as "oak"
+        self.of_materials: dict[str, Values] = {}
+        for wish, effect in self.acts:
+            if wish.attribute.slot == "material" and effect.mode in ("", "color"):
+                for instance in self.owners.of(effect, wish.attribute):
+                    given = effect, wish.attribute, instance, self.sources
+                    own = painted(*given) if effect.color else within(instance.value, *effect_range(*given))
+                    self.of_materials[instance.key] = own
 
     def entries(self) -> dict[str, PlanEntry]:
         """An entry for every instance, from the words alone."""
@@ -187,18 +180,6 @@ class _Planner:
         for reason, keys in self.kept.items():
             self.notes.append(f"{LEFT_ALONE}: {labels.titles(keys)} ({reason}).")
         return entries
-
-    def _of_materials(self) -> dict[str, Values]:
-        """Key -> the value that a parameter gets from a material that a word names, as "oak"."""
-        found = {}
-        for wish, effect in self.acts:
-            if wish.attribute.slot != "material" or effect.mode not in ("", "color"):
-                continue
-            for instance in self.owners.of(effect, wish.attribute):
-                given = effect, wish.attribute, instance, self.sources
-                own = painted(*given) if effect.color else within(instance.value, *effect_range(*given))
-                found[instance.key] = own
-        return found
 
     def _unmet(self) -> list[str]:
         """Notes on words whose main effect has nothing to change in the scene, as "rim light" in a scene with one light."""

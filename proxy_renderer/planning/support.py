@@ -13,7 +13,6 @@ from ..color.floats import chroma, lab_from_srgb, linear_from_srgb, luminance, s
 from ..goals.resolve import Goals
 from ..schema import Instance, Values
 from ..words.lexicon.entries import OWNERS, temperature
-from ..words.lexicon.vocabulary import Vocabulary
 from ..words.types import Parsed, SceneDescription
 from .acting import Act, acts, is_usual
 from .light_levels import Range, Sources, kelvin_color, radiance
@@ -31,10 +30,7 @@ _ADDED = (64.0, 80.0)  # L* of a white surface that faces a light that is added
 def supports(
     parsed: Parsed, instances: dict[str, Instance], sources: Sources, entries: dict[str, PlanEntry], owners: Owners
 ) -> dict[str, PlanEntry]:
-    """Key -> entry of each supporting parameter, in place of an entry that keeps the artist's value.
-
-    Parameters that words name, and locked ones, are left out. The ranges contain the artist's value, except for added lights.
-    """
+    """Key -> entry of each supporting parameter that words do not name and that is not locked."""
     found = {}
     for key, ((lower, upper), late, why) in _reaches(parsed, instances, sources, owners):
         if entries[key].priority is not None or instances[key].locked:
@@ -112,15 +108,11 @@ def added_power(instance: Instance, sources: Sources) -> Values:
 
 
 def missing_lights(
-    goals: Goals,
-    instances: dict[str, Instance],
-    scene: SceneDescription,
-    standby: Mapping[str, str],
-    vocabulary: Vocabulary,
+    goals: Goals, instances: dict[str, Instance], scene: SceneDescription, standby: Mapping[str, str]
 ) -> list[str]:
     """Names of the standby lights that the words ask for, one for each missing role; `standby` maps a name to its role."""
     owners, roles = Owners(goals.parsed, instances, scene), list[str]()
-    for wish, effect in acts(goals, vocabulary, owners):
+    for wish, effect in acts(goals, owners):
         attribute = wish.attribute
         if effect.weak or effect.mode == "times" or OWNERS[effect.owner] != "light" or attribute.lights:
             continue
@@ -133,9 +125,7 @@ def missing_lights(
     return [next(name for name in standby if standby[name] == role) for role in wanted]
 
 
-def asks_for_backdrop(
-    goals: Goals, instances: dict[str, Instance], scene: SceneDescription, vocabulary: Vocabulary
-) -> bool:
+def asks_for_backdrop(goals: Goals, instances: dict[str, Instance], scene: SceneDescription) -> bool:
     """True if the visible background has to differ from the world that lights the scene.
 
     That is so if words give the background a vivid color, which would tint the scene, or a lightness that contradicts the light
@@ -145,7 +135,7 @@ def asks_for_backdrop(
     owners = Owners(goals.parsed, instances, scene)
     of_world = [
         (wish, effect)
-        for wish, effect in acts(goals, vocabulary, owners)
+        for wish, effect in acts(goals, owners)
         if effect.family == "world/strength" and owners.of(effect, wish.attribute)
     ]
     seen = [act for act in of_world if act[0].attribute.kind == "surroundings" and not is_usual(*act)]

@@ -1,44 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """The rig that a prompt asks for: a setup, changed by the other words."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..color.floats import (
-    chroma,
-    hex_from_srgb,
-    lab_from_srgb,
-    linear_from_srgb,
-    luminance,
-    mixed,
-    srgb_from_hex,
-    srgb_from_linear,
-)
+from ..color.floats import chroma, hex_from_srgb, lab_from_srgb, mixed, srgb_from_hex, srgb_from_linear
 from ..goals.resolve import Goals
 from ..planning.light_levels import kelvin_color
-from ..schema import Values
 from ..words.attributes import is_dark
 from ..words.lexicon.languages import singular
 from ..words.lexicon.rigs import KINDS, TIMES, Modifier, Rig, RigLight, RigTable
 from ..words.lexicon.vocabulary import GLOWING, Vocabulary
 from ..words.passage import LIGHTS
 from ..words.types import Attribute
-from .combined import at_an_hour, deepened, in_a_mood, in_a_style, with_source
-from .described import (
-    BEHIND,
-    EDGES,
-    FILLS,
-    FREE,
-    DescribedLight,
-    composed,
-    described,
-    limited,
-    mirrored,
-    source_of,
-    tint_of,
-)
-from .levels import GRAY
+from .combined import at_an_hour, deepened, in_a_mood, in_a_style, under_named_sky, with_source
+from .described import BEHIND, EDGES, FILLS, FREE, DescribedLight, composed, described, limited, source_of, tint_of
 
 _STYLED = {"source": ("style", "film", "mood", "place"), "style": ("mood", "place"), "time": ("style", "film")}
 """Kind of a setup -> kinds of other setups whose darkness and grade it takes over: strip lights in a black studio."""
@@ -107,28 +83,13 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary, anew: bool
         build.color(gel, _PARTS.get(gel.role, ()))
     moods = (a for a in said if a.cause and a.slot == "lighting" and not a.owners)
     least = min(_EXPOSURES[0], build.first.exposure)
-    rig = _under_named_sky(build.rig, said)
+    rig = under_named_sky(build.rig, said)
     first, key = ([abs(x.azimuth) > BEHIND for x in each.lights[:1]] for each in (build.first, rig))
     if first == [False] and key == [True]:
         rig = replace(rig, exposure=min(rig.exposure, table.rigs["back light"].exposure))
     rig = replace(rig, exposure=min(max(rig.exposure, least), _EXPOSURES[1]))
     served = (*build.served, *(a for a in moods if a not in build.served))
     return ChosenRig(rig, build.words, served, anew)
-
-
-def sky_color_of(said: Sequence[Attribute]) -> Values | None:
-    """sRGB of the color that words give the sky; None where they give none."""
-    skies = (a.color for a in said if a.kind == "sky" and not (a.negated or a.cause or a.owners))
-    return next(filter(None, skies), None)
-
-
-def _under_named_sky(rig: Rig, said: Sequence[Attribute]) -> Rig:
-    """A rig whose sky, if it has one, is shown in exactly the color that words give it."""
-    color = sky_color_of(said)
-    if rig.sky is None or color is None:
-        return rig
-    stops = math.log2(max(luminance(linear_from_srgb(color)), 1e-7) / GRAY)
-    return replace(rig, sky=stops, sky_color=hex_from_srgb(color))
 
 
 def _first(
@@ -201,7 +162,7 @@ class _Build:
             made = composed(light, self.rig.lights, self.table, self.vocabulary)
             others = tuple(x for x in self.rig.lights if x.part != light.part)
             self.rig = replace(self.rig, lights=(made, *others) if light.part == "key" else (*others, made))
-            if mirrored(light, self.table) and light.part != "accent":
+            if light.is_mirrored(self.table) and light.part != "accent":
                 other = "kicker" if light.part == "rim" else "accent"
                 twin = replace(made, part=other, azimuth=-made.azimuth)
                 rest = tuple(x for x in self.rig.lights if x.part != other)
@@ -320,15 +281,13 @@ def _lit_lamps(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
 
 
 def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
-    """The words that stand for setups, the most important first.
-
-    A word that can also change a setup, such as "backlit", counts only if there is no other.
-    """
+    """The words that stand for setups, the most important first."""
     graded = {a.word for a in said if a.grades}
     every = [a for a in said if a.entry in table.rigs and not (a.negated or a.color or a.grades)]
     every = [a for a in every if not (table.rigs[a.entry].adds or a.cause in graded)]
     # words of the prompt come before those that a mood stands for; then the kind of the rig decides
     every.sort(key=lambda a: (bool(a.cause), KINDS.index(table.rigs[a.entry].kind)))
+    # A word that can also change a setup, such as "backlit", counts only if there is no other.
     return [a for a in every if a.entry not in table.modifiers] or every[:1]
 
 

@@ -33,6 +33,10 @@ class DescribedLight:
     said: tuple[Attribute, ...]
     own: str = ""
 
+    def is_mirrored(self, table: RigTable) -> bool:
+        """True if words say that the other side gets such a light too."""
+        return any(modifier.both for _, modifier in _places(self.said, table))
+
 
 def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight]:
     """The lights that a prompt describes, and does not only mention."""
@@ -75,14 +79,12 @@ def _merged(groups: Mapping[int, list[Attribute]], table: RigTable) -> dict[int,
 
 
 def _tells(words: Sequence[Attribute], table: RigTable, lights: int) -> bool:
-    """True if words single a light out: by two sources, a direction or a light of the scene.
-
-    If there are several `lights`, one source, a role, a color or a color temperature is enough.
-    """
+    """True if words single a light out: by two sources, a direction or a light of the scene."""
     said = [a for a in words if not a.negated]
     sources = [a for a in said if _source(a, table)]
     if len(sources) > 1 or _places(said, table) or any(a.lights for a in said):
         return True
+    # If there are several `lights`, one source, a role, a color or a color temperature is enough.
     colored = bool(sources) or any(a.role or a.color for a in said)
     return lights > 1 and (colored or any((m := table.modifier(a.entry)) and m.kelvin for a in said))
 
@@ -132,11 +134,6 @@ def composed(light: DescribedLight, lights: Sequence[RigLight], table: RigTable,
     return limited(made)
 
 
-def mirrored(light: DescribedLight, table: RigTable) -> bool:
-    """True if words say that the other side gets such a light too."""
-    return any(modifier.both for _, modifier in _places(light.said, table))
-
-
 def tint_of(attribute: Attribute, vocabulary: Vocabulary) -> str:
     """The color that a word gives a light, "#rrggbb": "slightly yellow" is nearer to white, but "faint yellow" is not."""
     assert attribute.color
@@ -153,10 +150,8 @@ def limited(light: RigLight) -> RigLight:
 
 
 def source_of(words: Sequence[Attribute], table: RigTable) -> Attribute | None:
-    """The word that names the source of a light; of several the last, and a window only if nothing else is named.
-
-    A "tungsten spot" is a spot, and moonlight from a window is the moon.
-    """
+    """The word that names the source of a light; of several the last, and a window only if nothing else is named."""
+    # A "tungsten spot" is a spot, and moonlight from a window is the moon.
     sources = [(a, lamp) for a in words if (lamp := _source(a, table))]
     lamps = [a for a, lamp in sources if lamp.type == "SUN" or not lamp.through]
     return next(reversed(lamps or [a for a, _ in sources]), None)
@@ -169,16 +164,13 @@ def _source(attribute: Attribute, table: RigTable) -> RigLight | None:
 
 
 def _template(light: DescribedLight, base: RigLight | None, key: RigLight | None, table: RigTable) -> RigLight:
-    """The light that words then change: that of the named source, else the rig's own of this part, else a plain one.
-
-    For a key, the rig's own comes first.
-    """
+    """The light that words then change: that of the named source, else the rig's own of this part, else a plain one."""
     plain = (table.rigs[_TEMPLATES[light.part]] if light.part in _TEMPLATES else table.plain).lights[0]
     stops = -0.5 if light.part in FREE[1:] else plain.stops
     made = replace(base, stops=max(base.stops, stops)) if base else replace(plain, stops=stops)
     sources = [a for a in light.said if _source(a, table)]
     head = source_of(light.said, table)
-    if head and not (base and light.part == "key"):
+    if head and not (base and light.part == "key"):  # the rig's own key stays
         lamp = _source(head, table)
         assert lamp
         reach = lamp.reach if light.part in ("key", "background") else "subject"
@@ -201,13 +193,10 @@ def _places(said: Iterable[Attribute], table: RigTable) -> list[tuple[str, Modif
 
 
 def _direction(said: Iterable[Attribute], table: RigTable) -> tuple[float | None, float | None]:
-    """Azimuth and elevation that words give a light, in degrees, or None for each.
-
-    "back left" is the mean of both directions, and "side" counts only without another one.
-    """
+    """Azimuth and elevation that words give a light, in degrees, or None for each; "back left" is the mean of both directions."""
     places = _places(said, table)
     turns = {entry: m.azimuth for entry, m in places if m.azimuth is not None}
-    if len(turns) > 1:
+    if len(turns) > 1:  # "side" counts only without another direction
         turns.pop("side light", None)
     angles = [math.radians(turn) for turn in turns.values()]
     rises = [m.elevation for _, m in places if m.elevation is not None]

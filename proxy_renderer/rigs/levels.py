@@ -72,17 +72,9 @@ class Levels:
 
 
 def measured(
-    scene: SceneData,
-    stage: LightStage,
-    lights: Sequence[Placed],
-    values: Mapping[str, Values],
-    rig: Rig,
-    ambient: float,
+    scene: SceneData, stage: LightStage, lights: Sequence[Placed], values: dict[str, Values], rig: Rig, ambient: float
 ) -> Levels:
-    """The levels of a rig, by the light that its lights shed with trial `values`.
-
-    `ambient`, the radiance of the scene's own world, counts only for a rig that keeps the scene's own light.
-    """
+    """The levels of a rig, by the light that its lights shed with trial `values`; `ambient` is the radiance of the scene's own world."""
     given = {key: torch.tensor(value) for key, value in values.items()}
     lamps = {lamp.light.name: lamp for lamp in light_sources(scene, RenderValues(scene, given, "cpu"))}
     places = stage.subject, stage.around

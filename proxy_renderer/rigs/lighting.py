@@ -21,7 +21,8 @@ from ..schema import Values, orbit, radiometry
 from ..schema.added_lights import CARD, CARD_AWAY, card
 from ..words.lexicon.rigs import Rig
 from ..words.types import GLOW, Attribute, Parsed
-from .chosen import ChosenRig, sky_color_of
+from .chosen import ChosenRig
+from .combined import sky_color_of
 from .levels import GRAY, Exposing, Levels, measured
 from .places import BRIGHTNESS, Placed, placed, shared_names
 from .shown import wishes_of_rig
@@ -272,10 +273,7 @@ def _air(scene: SceneData, rig: Rig, parsed: Parsed, served: Sequence[Attribute]
 
 
 def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict[str, Values]:
-    """Dimmed values of the scene's own lights and glowing surfaces that play no part in the rig.
-
-    `white` is the radiance of a white surface in the key's light.
-    """
+    """Values of the scene's lights and glowing surfaces that play no part; `white` is a white surface's radiance in the key's light."""
     found: dict[str, Values] = {}
     if not rig.own:
         return found
@@ -299,16 +297,13 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
 
 
 def _word_for(chosen: ChosenRig, part: str, name: str) -> str:
-    """The word that is the reason for a parameter's value in a part of the rig.
-
-    It is the word that asks for this aspect of the part, or else the one that adds the part, or else the setup, or else the
-    first word about the part.
-    """
+    """The word that is the reason for a parameter's value in a part of the rig."""
     of_part = {word: asked for word, (parts, asked) in chosen.words.items() if part in parts}
     last = sorted(of_part, key=lambda word: "rim" in of_part[word])  # words that add the part
     aspects = {"color": "color", "temperature": "color", "azimuth": "direction", "elevation": "direction"}
     asking = [word for aspect in (aspects.get(name), "rim") for word in last if aspect in of_part[word]]
     setups = (word for word, (parts, _) in chosen.words.items() if not parts)
+    # A word for this aspect of the part, else one that adds the part, else the setup, else the first about the part
     return next(iter([*asking, *setups, *of_part, *chosen.words]), "")
 
 

@@ -5,6 +5,8 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
 from ..goals.wish import Wish
 from ..schema import orbit
@@ -55,7 +57,8 @@ def _structure(chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage) -
 
 def _direction(key: Placed, stage: LightStage) -> Iterator[ClaimText]:
     """The key's direction, as the camera sees it: a light from above is from the front to a camera that looks down."""
-    right, up, toward = (sum(a * b for a, b in zip(axis, orbit.direction(key.azimuth, key.elevation), strict=True)) for axis in stage.camera_axes)  # fmt: skip
+    camera = np.array(orbit.frame(stage.front, stage.scene.value("camera/elevation")[0]))
+    right, up, toward = (np.array(orbit.direction(key.azimuth, key.elevation)) @ camera).tolist()
     if max(abs(right), abs(up)) > 0.6:  # cosine
         measure, slope = ("light_right", right) if abs(right) > 0.6 else ("light_up", up)
         ends = ((0.2,), (math.inf,)) if slope > 0 else ((-math.inf,), (-0.2,))

@@ -61,12 +61,6 @@ class LightStage:
         self.radius = max(radius, 0.02 * view)  # of the subject, meters
         self.front = scene.value("camera/azimuth")[0]  # azimuth of the camera, degrees, as in `schema.orbit`
 
-    @property
-    def camera_axes(self) -> tuple[orbit.Vector, orbit.Vector, orbit.Vector]:
-        """Unit vectors to the camera's right, up, and from the subject towards it."""
-        columns = orbit.frame(self.front, self.scene.value("camera/elevation")[0])
-        return tuple(zip(*columns, strict=True))  # type: ignore[return-value]
-
     def place(self, azimuth: float, elevation: float, radii: float) -> Tensor:
         """(3,) a place at an azimuth from the camera, an elevation, and a distance from the subject's middle in its radii."""
         return self.middle + radii * self.radius * self._toward(azimuth, elevation)

@@ -189,10 +189,7 @@ def spread(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def cast_between(low: float, high: float) -> Take:
-    """The measure of the color cast of the pixels between two shares, in [0, 1], of a region in order of lightness: (2,).
-
-    It is the mean of a* and b*, CIE Lab, in which the grayest pixels count most.
-    """
+    """The measure of the cast, (2,) in a* and b*, of the pixels between two shares, in [0, 1], of a region in order of lightness."""
 
     def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
         lab = picture.lab[where]

@@ -20,12 +20,10 @@ _MIRROR_HIGHLIGHTS = 0.99  # share of a region's pixels, the darkest, that are n
 
 
 def light_along(axis: int) -> Take:
-    """The measure of how much light comes from the right (axis 0), from above (1) or from the camera (2): (1,) in [-1, 1].
-
-    It is a component of the direction from which a region is lit, by a fit of a + b · n to luminance; small if that is unclear.
-    """
+    """The measure of how much light comes from the right (axis 0), from above (1) or from the camera (2): (1,) in [-1, 1]."""
 
     def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
+        # Direction from which a region is lit, by a fit of a + b · n to luminance; shorter than 1 if that is unclear
         normal = picture.seen.normal
         where = where & (normal.norm(dim=-1) > 0.5)
         light, normals = picture.luminance[where], normal[where]
