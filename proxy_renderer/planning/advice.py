@@ -18,8 +18,8 @@ from .types import LightPlan, Plan
 
 _MOST = 5  # words per caption: short ones are understood better
 _OF_MATTER = ("color", "finish", "material", "setting")
-_KINDS = {"subject": ("subject", "highlight", "glow"), "surroundings": ("surroundings", "sky")}
-"""Region -> kinds of targets that its caption describes."""
+_KINDS = {"subject": ("silhouette", ("subject", "highlight", "glow")), "surroundings": ("fog", ("surroundings", "sky"))}
+"""Region -> the kind or entry that describes all of it, and the kinds of targets that its caption describes."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,11 @@ def compose(parsed: Parsed, overruled: Collection[Attribute] = (), vocabulary: V
     captions = _Captions(vocabulary or default_vocabulary())
     meant = [a for a in parsed.attributes if a not in overruled]
     said = [a for a in meant if not a.negated and not a.cause]
-    mine, theirs = ([a for a in said if _is_of(region, a)] for region in _KINDS)
+    # Words for the surfaces of a region, its sky, or all of it
+    mine, theirs = (
+        [a for a in said if whole in (a.kind, a.entry) or (a.kind in kinds and a.slot in _OF_MATTER)]
+        for whole, kinds in _KINDS.values()
+    )
     noun, backdrop = (_called(region, parsed) for region in _KINDS)
     things: dict[str, list[Attribute]] = {}  # noun -> its words: "a white cup, a black table" has two nouns
     for attribute in mine:
@@ -61,12 +65,6 @@ def compose(parsed: Parsed, overruled: Collection[Attribute] = (), vocabulary: V
 def _called(region: str, parsed: Parsed) -> str:
     name = next((o.name for o in parsed.objects if o.region == region), region)
     return {"subject": "object", "surroundings": "background"}[region] if name in ("", region) else name
-
-
-def _is_of(region: str, attribute: Attribute) -> bool:
-    """True if a word describes the surfaces of a region, its fog, its sky, or all of it, as "silhouette" does."""
-    whole = {"subject": "silhouette", "surroundings": "fog"}[region] in (attribute.kind, attribute.entry)
-    return whole or (attribute.kind in _KINDS[region] and attribute.slot in _OF_MATTER)
 
 
 class _Captions:
@@ -158,11 +156,12 @@ class Advisor(Protocol):
         """Parse, compose, confine. `display` is the current image (H, W, 3) in [0, 1]; locks are in `instances`."""
 
 
+@dataclass(frozen=True)
 class OfflineAdvisor:
     """The vocabulary and its planner; without goals, the reason why nothing is understood."""
 
-    def __init__(self, goals: Goals | VibeError, light: LightPlan | None = None) -> None:
-        self.goals, self.light = goals, light
+    goals: Goals | VibeError
+    light: LightPlan | None = None
 
     def advise(self, display: Any, instances: Mapping[str, Instance], scene: SceneDescription) -> Advice:
         """Raises VibeError if no word of the prompt is known."""

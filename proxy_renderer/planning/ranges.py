@@ -64,20 +64,18 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
 def painted(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Values:
     """The linear color that an effect asks for, in the form that its parameter stores: as a gel, an albedo or a tint."""
     srgb = _color_of(effect, attribute, sources)
+    linear = linear_from_srgb(srgb)
     if effect.mode == "gel":
         muted = 1.0 - min(srgb) / max(max(srgb), 1e-6)  # a muted color tints the light only a little
-        linear = _gel(linear_from_srgb(srgb), 0.9 * (_MOOD * muted if attribute.kind == "ambience" else 1.0))
+        linear = _gel(linear, 0.9 * (_MOOD * muted if attribute.kind == "ambience" else 1.0))
     elif effect.mode == "albedo":
         # fog scatters many times: it is paler and much brighter than the color it is named for; black fog is smoke
         pale = linear_from_srgb(fog_color(srgb))
-        darkness = min(luminance(linear_from_srgb(srgb)) * 12 + 0.25, 0.95)
+        darkness = min(luminance(linear) * 12 + 0.25, 0.95)
         linear = tuple(v * darkness / max(pale) for v in pale)
     elif effect.mode == "shown":
-        linear = linear_from_srgb(srgb)
         linear = tuple(v / max(linear) for v in linear) if max(linear) > _BLACK else linear
-    else:
-        # no real surface reflects nothing, or all
-        linear = linear_from_srgb(srgb)
+    else:  # no real surface reflects nothing, or all
         most = min(_WHITEST / max(*linear, 1e-6), 1.0)
         linear = tuple(max(most * v, _BLACKEST) for v in linear)
     if instance.parameter.family == "material/tint":

@@ -22,6 +22,7 @@ _LIT = (*LIGHTS, "ambience")  # kinds of things whose color words color the rig'
 _OF_LIGHT = (*_LIT, "tone", "whole", "shadow")
 _PARTS = {"rim": EDGES, "fill": FILLS, "key": ("key",)}  # role of a light in words -> parts of a rig
 _DARKER, _DIMMER = "darker surface", 1.3  # entry of surroundings that are only darker, and by how many stops
+_DARK_WORDS = (_DARKER, "dark surface", "black surface", "dark surroundings", "dark")
 _EXPOSURES = (-2.2, 1.0)
 _PRACTICAL = "practical lamp"  # the rig of a lamp in the picture
 
@@ -75,8 +76,8 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary, anew: bool
             build.add(attribute)
         elif build.may_modify(attribute):
             build.modify(attribute, _PARTS.get(attribute.role, ("key",)))
-        elif _darkens_the_rest(attribute, said, vocabulary):
-            build.darken(attribute)
+        else:
+            build.darken(attribute, said)
     for lamp in lamps:
         build.light_up(lamp, said)
     for gel in gels:
@@ -227,8 +228,19 @@ class _Build:
         self.rig = deepened(replace(self.rig, lights=tuple(lights)), modifier, attribute.strength)
         self._take(attribute, tuple(parts), modifier.aspects)
 
-    def darken(self, attribute: Attribute) -> None:
-        """Makes everything but the subject black, or only darker if the word asks for no more."""
+    def darken(self, attribute: Attribute, said: Sequence[Attribute]) -> None:
+        """Makes everything but the subject black, or only darker if a word asks for that: "everything else falls into black"."""
+        others = attribute.thing in self.vocabulary.lists["others"]
+        around = others or attribute.kind in ("surroundings", "sky")
+        if attribute.negated or not around or (attribute.owners and not others):
+            return
+        if attribute.color is not None:
+            lab = lab_from_srgb(attribute.color)
+            dark = lab[0] < 20.0 and chroma(lab) < 14.0  # "dark burgundy" is not black
+        else:  # "darken the backdrop to a dusty teal" leaves nothing black
+            dark = attribute.entry in _DARK_WORDS and not any(a.color and a.thing == attribute.thing for a in said)
+        if not dark:
+            return
         world = sky = -6.5  # stops that leave all but the subject black
         own = -10.0
         if attribute.entry == _DARKER:
@@ -305,18 +317,3 @@ def _gels(said: Sequence[Attribute], setups: Sequence[Attribute], table: RigTabl
     neon = {a.thing for a in said if a.color and a.entry.startswith("neon ") and signs}
     tubes = [a for a in said if a.color and not a.cause and a.thing in neon and a.kind not in _LIT]
     return [a for a in colors if a.kind in _LIT] + tubes
-
-
-def _darkens_the_rest(attribute: Attribute, said: Sequence[Attribute], vocabulary: Vocabulary) -> bool:
-    """True if a word makes everything dark that the rig does not light: "everything else falls into black"."""
-    others = attribute.thing in vocabulary.lists["others"]
-    around = others or attribute.kind in ("surroundings", "sky")
-    if attribute.negated or not around or (attribute.owners and not others):
-        return False
-    if attribute.color is not None:
-        lab = lab_from_srgb(attribute.color)
-        return lab[0] < 20.0 and chroma(lab) < 14.0  # "dark burgundy" is not black
-    # "darken the backdrop to a dusty teal" leaves nothing black
-    colored = any(a.color and a.thing == attribute.thing for a in said)
-    dark = attribute.entry in (_DARKER, "dark surface", "black surface", "dark surroundings", "dark")
-    return dark and not colored

@@ -2,7 +2,7 @@
 """The lights that a prompt describes one by one, each as a light of a rig: what it is, where it comes from, its color and strength."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from ..color.floats import hex_from_srgb, mixed
@@ -46,9 +46,15 @@ def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight
         if attribute.kind in LIGHTS and not elsewhere:
             for number in attribute.phrases:
                 groups.setdefault(number, []).append(attribute)
+    # Groups that name the same source become one: "full moon ... cold moonlight".
+    merged, of_source = dict[int, list[Attribute]](), dict[str, int]()
+    for number, words in groups.items():
+        source = source_of(words, table)
+        colored = any(a.color for a in words)
+        first = number if source is None or colored else of_source.setdefault(source.entry, number)
+        merged.setdefault(first, []).extend(words)
     found: list[DescribedLight] = []
-    groups = _merged(groups, table)
-    groups = {n: words for n, words in groups.items() if _tells(words, table, len(groups))}
+    groups = {n: words for n, words in merged.items() if _tells(words, table, len(merged))}
     for words in groups.values():
         for own in dict.fromkeys(name for a in words for name in a.lights) or {"": None}:
             taken = {each.part for each in found}
@@ -64,18 +70,6 @@ def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight
     if parts.isdisjoint(FILLS) and not any(light.type == "SUN" for rig in rigs for light in rig.lights[:1]):
         return found
     return [replace(light, part="key") if light is edge else light for light in found]
-
-
-def _merged(groups: Mapping[int, list[Attribute]], table: RigTable) -> dict[int, list[Attribute]]:
-    """The groups of words by light; groups that name the same source become one: "full moon ... cold moonlight"."""
-    found: dict[int, list[Attribute]] = {}
-    of_source: dict[str, int] = {}
-    for number, words in groups.items():
-        source = source_of(words, table)
-        colored = any(a.color for a in words)
-        first = number if source is None or colored else of_source.setdefault(source.entry, number)
-        found.setdefault(first, []).extend(words)
-    return found
 
 
 def _tells(words: Sequence[Attribute], table: RigTable, lights: int) -> bool:

@@ -54,7 +54,7 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
     first = scenes[0]
     stage = LightStage(first, geometry_of(first, torch.device("cpu")))
     lights = placed(rig.lights, stage, add, chosen.anew)
-    scenes = [_with_cards(_with_lights(scene, lights, stage), lights) for scene in scenes]
+    scenes = [_with_lights(scene, lights, stage) for scene in scenes]
     # without a backdrop, the camera would see the world as bright as its fill light needs it
     if (rig.sky, rig.world) != (None, None) and all(scene.may_have_backdrop for scene in scenes):
         scenes = [scene.with_backdrop() for scene in scenes]
@@ -85,7 +85,7 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
 
 
 def _with_lights(scene: SceneData, lights: Sequence[Placed], stage: LightStage) -> SceneData:
-    """A scene with the rig's lights that it lacks, off, but at their places."""
+    """A scene with the rig's lights that it lacks, off, but at their places, and with the cards by which they cast patterns."""
     mine = {each.name: _shape(each, stage) for each in lights if not each.own}
     lit = scene.with_lights(mine)
     instances = dict(lit.instances)
@@ -95,19 +95,15 @@ def _with_lights(scene: SceneData, lights: Sequence[Placed], stage: LightStage) 
             off = (OFF * instance.reference,) if name in ("power", "strength") else None
             value = off or mine[instance.owner].get(name)
             instances[key] = replace(instance, value=value) if value else instance
-    return replace(lit, instances=instances)
-
-
-def _with_cards(scene: SceneData, lights: Sequence[Placed]) -> SceneData:
-    """A scene with the cards by which added lights cast patterns, as Blender builds them."""
+    lit = replace(lit, instances=instances)
     for each in lights:
-        size = next((light.card for light in scene.lights if light.name == each.name), 0.0)
-        if each.light.pattern and size and not each.own:
+        size = next((light.card for light in lit.lights if light.name == each.name), 0.0)
+        if each.light.pattern and size and not each.own:  # a card as Blender builds it
             right, up, toward = np.array(orbit.frame(each.azimuth, each.elevation)).T
             middle = np.array(scene.pivot) + CARD_AWAY * size * toward
             quads = np.array(card(each.light.pattern, size))  # (Q, 4, 2)
-            scene = scene.with_card(CARD, middle + quads[..., :1] * right + quads[..., 1:] * up)
-    return scene
+            lit = lit.with_card(CARD, middle + quads[..., :1] * right + quads[..., 1:] * up)
+    return lit
 
 
 def _shape(each: Placed, stage: LightStage) -> dict[str, Values]:

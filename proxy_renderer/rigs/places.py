@@ -20,7 +20,7 @@ from ..schema import orbit
 from ..schema.added_lights import PARTS, light_name, role_of
 from ..words.lexicon.rigs import RigLight
 from ..words.names import plain_name
-from .stage import LightStage, Points
+from .stage import LightStage
 
 BRIGHTNESS = ("light/power", "light/strength")  # families of how much light a light sheds
 _TURNS = (0.0, -14.0, 14.0, -28.0, 28.0, -45.0, 45.0)
@@ -89,7 +89,7 @@ def _own(light: RigLight, stage: LightStage, taken: set[str]) -> Placed | None:
     named = [x for x in free if shared_names(light, x)]
     for candidate in (*named, *(x for x in free if _stands_for(x, light, stage))):
         # Mean share of its light with which it reaches the target, where it stands
-        points = _targets(light, stage)
+        points = stage.around if light.reach == "background" else stage.subject
         if candidate.type == "SUN":
             azimuth, elevation = _angles(candidate, stage.scene)
             share = float(stage.sunlit(points, azimuth - stage.front, elevation).mean())
@@ -142,7 +142,8 @@ def _added(light: RigLight, stage: LightStage, taken: set[str], others: Sequence
     alone, used = not others, [(other.azimuth, other.elevation, other.distance) for other in others]
     at_lamp = next((place for place in _at_lamps(light, stage) if stage.orbit_of(place) not in used), None)
     if at_lamp is not None:
-        return _made(light, "POINT", at_lamp, stage, taken, fixed=True)
+        name = _free_name(light.part, "POINT", stage, taken)
+        return Placed(light, name, "POINT", False, *stage.orbit_of(at_lamp), True) if name else None
     if light.worn:
         return None
     if light.type == "SUN":
@@ -158,15 +159,8 @@ def _added(light: RigLight, stage: LightStage, taken: set[str], others: Sequence
         # a closed room: the window is a soft light from the side
         light = replace(light, type="AREA", distance=2.6, size=1.0, elevation=max(light.elevation, 12.0))
     place, share = _best_place(light, stage)
-    return _made(light, light.type, place, stage, taken) if share > _ENOUGH or alone else None
-
-
-def _made(
-    light: RigLight, kind: str, place: Tensor, stage: LightStage, taken: set[str], fixed: bool = False
-) -> Placed | None:
-    """An added light at a place; None where the scene may get none of that type any more."""
-    name = _free_name(light.part, kind, stage, taken)
-    return Placed(light, name, kind, False, *stage.orbit_of(place), fixed) if name else None
+    name = _free_name(light.part, light.type, stage, taken) if share > _ENOUGH or alone else ""
+    return Placed(light, name, light.type, False, *stage.orbit_of(place)) if name else None
 
 
 def _free_name(part: str, kind: str, stage: LightStage, taken: set[str]) -> str:
@@ -177,13 +171,9 @@ def _free_name(part: str, kind: str, stage: LightStage, taken: set[str]) -> str:
     return next((name for name in names if name in free), "")
 
 
-def _targets(light: RigLight, stage: LightStage) -> Points:
-    return stage.around if light.reach == "background" else stage.subject
-
-
 def _best_place(light: RigLight, stage: LightStage) -> tuple[Tensor, float]:
     """The best place (3,) near the one that a rig names, and the mean share of light that reaches the target from there."""
-    points = _targets(light, stage)
+    points = stage.around if light.reach == "background" else stage.subject
     best = (-math.inf, stage.place(light.azimuth, light.elevation, light.distance), 0.0)
     sides = (1.0, -1.0) if light.mirrored and light.azimuth else (1.0,)
     for side, turn, rise, nearer in itertools.product(sides, _TURNS, _RISES, _NEARER):

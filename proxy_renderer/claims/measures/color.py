@@ -11,7 +11,7 @@ from torch import Tensor
 
 from .picture import FEW, MeasuredPicture, largest_around, region_of
 
-Take = Callable[[MeasuredPicture, Tensor], Tensor]  # the numbers (n,) of a region in an image
+MeasureFunction = Callable[[MeasuredPicture, Tensor], Tensor]  # the numbers (n,) of a region in an image
 
 
 def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -65,7 +65,7 @@ def separation(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return (difference.square().sum() + 1e-6).sqrt()[None]
 
 
-def beyond(level: float, way: int) -> Take:
+def beyond(level: float, way: int) -> MeasureFunction:
     """The measure of the share of a region above an L*, or below for a `way` of -1, by a soft step: (1,) in [0, 1]."""
     return lambda picture, where: torch.sigmoid(2 * way * (picture.lab[..., 0][where] - level)).mean()[None]
 
@@ -142,7 +142,7 @@ def warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return (b + 0.5 * a)[None]
 
 
-def warmth_between(low: float, high: float) -> Take:
+def warmth_between(low: float, high: float) -> MeasureFunction:
     """The measure of the `warmth` of the pixels between two shares, in [0, 1], of a region in order of lightness: (1,)."""
 
     def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -178,7 +178,7 @@ def chromaticity_of(mean: Tensor) -> Tensor:
     return mean[1:] * (60.0 / mean[0].clamp_min(20.0))
 
 
-def tone(share: float) -> Take:
+def tone(share: float) -> MeasureFunction:
     """The measure of the lightness below which a share of a region's pixels lies: (1,) L*."""
     return lambda picture, where: lightness_below(picture, where, share)[None]
 
@@ -188,7 +188,7 @@ def spread(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return (lightness_below(picture, where, 0.9) - lightness_below(picture, where, 0.1))[None]
 
 
-def cast_between(low: float, high: float) -> Take:
+def cast_between(low: float, high: float) -> MeasureFunction:
     """The measure of the cast, (2,) in a* and b*, of the pixels between two shares, in [0, 1], of a region in order of lightness."""
 
     def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -201,7 +201,7 @@ def cast_between(low: float, high: float) -> Take:
     return take
 
 
-def across(axis: int, way: int) -> Take:
+def across(axis: int, way: int) -> MeasureFunction:
     """The measure of the lightness of a region's last third along an axis (0 down, 1 right) less that of the first: (1,) L*, times `way`."""
 
     def take(picture: MeasuredPicture, where: Tensor) -> Tensor:

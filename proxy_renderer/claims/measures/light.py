@@ -9,7 +9,7 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from ...render.geometry.vectors import overlap
-from .color import Take
+from .color import MeasureFunction
 from .picture import FEW, GRAIN, MeasuredPicture, largest_around
 
 _FLOOR = 0.004  # linear luminance below which differences are not seen on a display in a lit room
@@ -19,7 +19,7 @@ _GRAZING = 3.0  # exponent of 1 - cosine in sheen: it grows toward the edge, ove
 _MIRROR_HIGHLIGHTS = 0.99  # share of a region's pixels, the darkest, that are no highlights
 
 
-def light_along(axis: int) -> Take:
+def light_along(axis: int) -> MeasureFunction:
     """The measure of how much light comes from the right (axis 0), from above (1) or from the camera (2): (1,) in [-1, 1]."""
 
     def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
