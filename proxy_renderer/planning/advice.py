@@ -12,7 +12,7 @@ from ..words.attributes import color_class
 from ..words.lexicon.entries import VocabularyEntry
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.lexicon.vocabulary import Vocabulary
-from ..words.types import Attribute, Parsed, PromptWord, SceneDescription
+from ..words.types import Attribute, Parsed, SceneDescription
 from .planner import plan
 from .types import LightPlan, Plan
 
@@ -52,14 +52,9 @@ def compose(parsed: Parsed, overruled: Collection[Attribute] = (), vocabulary: V
     background = captions.caption(theirs, backdrop) if theirs else ""
     whole = [a for a in said if a.region == "whole" or a.slot in ("lighting", "atmosphere", "grade", "mood")]
     looks = [captions.words(a) for a in whole if a not in mine and a not in theirs][:_MOST]
-    return Prompts(
-        foreground,
-        background,
-        ", ".join(dict.fromkeys(filter(None, (foreground, background, *looks)))),
-        captions.mistakes(mine, theirs, noun),
-        captions.mistakes(theirs, mine, backdrop),
-        captions.unwanted(meant),
-    )
+    caption = ", ".join(dict.fromkeys(filter(None, (foreground, background, *looks))))
+    mistakes = captions.mistakes(mine, theirs, noun), captions.mistakes(theirs, mine, backdrop)
+    return Prompts(foreground, background, caption, *mistakes, captions.unwanted(meant))
 
 
 def _called(region: str, parsed: Parsed) -> str:
@@ -196,11 +191,15 @@ def explain(goals: Goals, prompts: Prompts, plan: Plan) -> str:
     moods: dict[str, dict[str, None]] = {}
     for attribute in (a for a in parsed.attributes if a.cause):
         moods.setdefault(attribute.cause, {})[attribute.word] = None
-    lines += [f"  '{mood}' stands for: {', '.join(words)}" for mood, words in moods.items()]
-    lines += [f"  guessed: '{word}' as '{entry}'" for word, entry in parsed.guesses.items()]
+    lines += [f"  '{mood}' stands for: {', '.join(implied)}" for mood, implied in moods.items()]
+    lines += [f"  guessed: '{unknown}' as '{entry}'" for unknown, entry in parsed.guesses.items()]
     if parsed.ignored:
         lines.append(f"  not used: {', '.join(parsed.ignored)}")
-    lines += ["", "Words (--target WORD=NAME says what a word describes)", *map(_word, parsed.words)]
+    lines += ["", "Words (--target WORD=NAME says what a word describes)"]
+    for word in parsed.words:
+        others = "".join(f"; {each.name} {each.probability:.0%}" for each in word.candidates[1:])
+        sure = f" ({word.confidence:.0%}{others})" if word.candidates else ""
+        lines.append(f"  {word.key}: {word.target}{sure}")
     lines += ["", "Told to an encoder that is named (--encoder)", f"  subject: {prompts.subject}"]
     lines.append(f"  surroundings: {prompts.surroundings or '(left open)'}")
     lines.append(f"  picture: {prompts.whole}")
@@ -218,13 +217,6 @@ def explain(goals: Goals, prompts: Prompts, plan: Plan) -> str:
     lines.append(f"  {kept} other parameters keep the artist's value.")
     lines += [f"  note: {note}" for note in plan.notes]
     return "\n".join(lines)
-
-
-def _word(word: PromptWord) -> str:
-    """A word with what it describes, how sure that is, and what else it may describe."""
-    others = "".join(f"; {each.name} {each.probability:.0%}" for each in word.candidates[1:])
-    sure = f" ({word.confidence:.0%}{others})" if word.candidates else ""
-    return f"  {word.key}: {word.target}{sure}"
 
 
 def as_dict(goals: Goals, prompts: Prompts, plan: Plan) -> dict:

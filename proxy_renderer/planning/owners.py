@@ -172,7 +172,16 @@ class Owners:
         if group == "light":
             return self.lights.values(effect, attribute)
         if group == "world":
-            names = self._of_world(effect, attribute)
+            # The world's parameter (warm light), its backdrop's (a white background), or both (a night)
+            parted = BACKDROP in self._instances and effect.name in ("color", "tint", "strength")
+            own = f"backdrop_{effect.name}" if parted else ""
+            # If the prompt names materials or a sky, words for the surroundings do not mean the world.
+            elsewhere = attribute.owners or any(a.kind == "sky" for a in self._parsed.attributes)
+            if attribute.kind == "surroundings" and effect.mode != "times" and elsewhere:
+                return []
+            seen = bool(own) and (effect.mode == "shown" or attribute.kind in SEEN)
+            of_light = effect.mode in ("share", "times", "gel")  # on the world's light alone
+            names = [own] if seen else [effect.name] if of_light else [effect.name, own]
         elif group == "material":
             names = [f"{material}/{effect.name}" for material in self.materials.targets(effect, attribute)]
         else:
@@ -190,19 +199,6 @@ class Owners:
         """True if surfaces fill nearly all of the camera's view, so that the world is not visible."""
         share = self._world_share
         return share is not None and share < SLIVER and bool(self.materials.of_region("surroundings"))
-
-    def _of_world(self, effect: Effect, attribute: Attribute) -> list[str]:
-        """The world's parameter (warm light), its backdrop's (a white background), or both (a night)."""
-        parted = BACKDROP in self._instances and effect.name in ("color", "tint", "strength")
-        own = f"backdrop_{effect.name}" if parted else ""
-        # If the prompt names materials or a sky, words for the surroundings do not mean the world.
-        elsewhere = attribute.owners or any(a.kind == "sky" for a in self._parsed.attributes)
-        if attribute.kind == "surroundings" and effect.mode != "times" and elsewhere:
-            return []
-        if own and (effect.mode == "shown" or attribute.kind in SEEN):
-            return [own]
-        of_light = effect.mode in ("share", "times", "gel")  # on the world's light alone
-        return [effect.name, own] if own and not of_light else [effect.name]
 
 
 def protected(instance: Instance, parsed: Parsed) -> Instance:

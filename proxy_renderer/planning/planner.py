@@ -132,17 +132,22 @@ def plan(goals: Goals, instances: dict[str, Instance], scene: SceneDescription, 
     support = supports(goals.parsed, planner.instances, planner.sources, entries, planner.owners)
     if goals.holds:
         for name in scene.added_lights:  # a light that a further sentence adds starts faint next to the present light
-            if entry := entries.get(f"light/{name}/power"):
-                low = tuple(0.1 * v for v in entry.lower)
-                entries[f"light/{name}/power"] = replace(entry, lower=low, start=low, prior=0.0)
+            if power := entries.get(f"light/{name}/power"):
+                faint = tuple(0.1 * v for v in power.lower)
+                entries[f"light/{name}/power"] = replace(power, lower=faint, start=faint, prior=0.0)
         # of the supports a further sentence keeps only exposure and added lights
         support = {k: e for k, e in support.items() if k == "film/exposure" or e.prior == 0.0}
     if light.served:  # the rig sets the exposure; a limited grade keeps the contrast and colors of its light
         fog = entries.get(_FOG)
         if not (fog and fog.is_named):  # fog takes light, see `optimize.air_exposure`
             support.pop("film/exposure", None)
-        graded = {key: ends for key, ends in _GRADES.items() if key in entries and entries[key].is_named}
-        entries |= {key: _mild(entries[key], *ends) for key, ends in graded.items()}
+        for key, (low, high) in _GRADES.items():
+            entry = entries.get(key)
+            if entry and entry.is_named:
+                ends = entry.lower, entry.upper, entry.start or ()
+                lower, upper, start = (tuple(min(max(v, low), high) for v in end) for end in ends)
+                # usual: it does not open while claims are missed
+                entries[key] = replace(entry, lower=lower, upper=upper, start=start or None, usual=True)
     entries |= support
     decided = Plan({key: entries[key] for key in instances}, tuple(dict.fromkeys(planner.notes)))
     return plan_with_picture(decided, goals, planner.instances, planner.vocabulary)
@@ -227,19 +232,12 @@ class _Planner:
         late += effect.mode == "times" and instance.parameter.kind == "color"
         # The prompt's own words come before what a mood implies.
         late += 6 * wish.implied
-        return WishedRange(
-            instance.key,
-            lower,
-            upper,
-            wish,
-            reason_of(attribute, shown.phrase if shown else ""),
-            effect.weak,
-            effect.priority + late,
-            is_usual(wish, effect),
-            start=named_color(effect, attribute, instance, sources) if effect.color else None,
-            # A film's cast, and light that moves around its color, may change hue; a material keeps its hue.
-            any_hue=effect.mode == "cast" or (effect.mode == "near" and OWNERS[effect.owner] != "material"),
-        )
+        reason = reason_of(attribute, shown.phrase if shown else "")
+        ranks = effect.weak, effect.priority + late, is_usual(wish, effect)
+        start = named_color(effect, attribute, instance, sources) if effect.color else None
+        # A film's cast, and light that moves around its color, may change hue; a material keeps its hue.
+        any_hue = effect.mode == "cast" or (effect.mode == "near" and OWNERS[effect.owner] != "material")
+        return WishedRange(instance.key, lower, upper, wish, reason, *ranks, start, any_hue)
 
     def _note_sources(self) -> None:
         scene, key = self.sources.scene, self.owners.lights.key
@@ -293,20 +291,6 @@ class _Planner:
             start = (near[0] ** 0.25 * far[0] ** 0.75,)
         elif instance.key == _FOG and instance.value < lower:  # at the low end hardly any fog is visible
             start = (math.sqrt(lower[0] * upper[0]),)
-        return PlanEntry(
-            lower,
-            upper,
-            min(d.priority for d in winners),
-            "; ".join(dict.fromkeys(d.reason for d in winners)),
-            prior=0.0,
-            usual=all(d.weak for d in winners),
-            any_hue=winners[0].any_hue,
-            start=start,
-        )
-
-
-def _mild(entry: PlanEntry, low: float, high: float) -> PlanEntry:
-    """A named range, limited to [low, high]; it does not open while claims are missed."""
-    lower, upper = (tuple(min(max(v, low), high) for v in end) for end in (entry.lower, entry.upper))
-    start = entry.start and tuple(min(max(v, low), high) for v in entry.start)
-    return replace(entry, lower=lower, upper=upper, start=start, usual=True)
+        most, reason = min(d.priority for d in winners), "; ".join(dict.fromkeys(d.reason for d in winners))
+        usual, any_hue = all(d.weak for d in winners), winners[0].any_hue
+        return PlanEntry(lower, upper, most, reason, 0.0, usual=usual, any_hue=any_hue, start=start)
