@@ -46,11 +46,8 @@ def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
 def _interval(shown: Values, named: float) -> tuple[Values, Values, Values]:
     """The lower and upper end of a color's interval, and its hue: a unit vector (a, b), or () for gray.
 
-    The three numbers of an end are lightness, chroma along the hue and distance across the hue; for gray they are lightness, a and b.
-
-    Args:
-        shown: sRGB color nearest to the named one that an image can show. Yellow is shown darker, but not as dark as mustard.
-        named: Lightness of the named color itself.
+    An end has lightness, chroma along the hue and distance across it; for gray lightness, a and b. `shown` is the sRGB color that an
+    image can show nearest to the named one, of lightness `named`: yellow is shown darker, but not as dark as mustard.
     """
     light, a, b = (100 * v for v in oklab_from_srgb(shown))
     strength = math.hypot(a, b)

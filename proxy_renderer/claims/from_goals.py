@@ -70,10 +70,8 @@ def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
 
 
 def light_claims(light: Sequence[Claim], claims: Sequence[Claim]) -> Iterator[Claim]:
-    """A rig's claims, each once: the first word that asks for it has the claim, and other words are in its `also`.
-
-    If words color the subject, the light's warmth is measured around it, and `standing_out` is not claimed.
-    """
+    """A rig's claims, each once: the first word that asks for it has the claim, and other words are in its `also`."""
+    # If words color the subject, the light's warmth is measured around it, and `standing_out` is not claimed.
     painted = any(c.part == "subject" and c.measure in ("color", "tint") for c in claims)
     words: dict[tuple[object, ...], dict[str, Claim]] = {}
     for claim in light:
@@ -141,15 +139,13 @@ def _with_accents(rows: list[tuple[Wish, list[Claim]]]) -> list[tuple[Wish, list
 
 
 def _narrows(claim: Claim, usual: bool, first: Claim) -> bool:
-    """True if a claim adds anything to the claim `first` of higher rank.
-
-    A claim about the same measure and part does if both intervals overlap and it excludes a part of the first: an old detective
-    movie is as gray as the movie. If several words color one part, the first counts. A usual claim adds nothing.
-    """
+    """True if a claim adds anything to the claim `first` of higher rank."""
     if _measured(claim) != _measured(first):
         return True
+    # If several words color one part, the first counts.
     if first.color or claim.word == first.word or usual:
         return False
+    # It has to exclude a part of the first: an old detective movie is as gray as the movie.
     low, high = max(claim.lower[0], first.lower[0]), min(claim.upper[0], first.upper[0])
     return low <= high and (low, high) != (first.lower[0], first.upper[0])
 
@@ -167,13 +163,10 @@ def _is_painted(claim: Claim, attribute: Attribute) -> bool:
 
 
 def _is_told(claim: Claim, pictured: Sequence[Claim]) -> bool:
-    """True if a reference image replaces a claim of every image.
-
-    One of the same scene decides exposure and separation. Any other replaces how much may drown in black; for the subject only if
-    the reference image itself is dim.
-    """
+    """True if a reference image replaces a claim of every image; one of the same scene decides exposure and separation."""
     if any(each.measure == "mean" for each in pictured) and claim.measure in ("burnt", "drowned", "separation"):
         return True
+    # Any other decides how much may drown in black; of the subject only if the reference image itself is dim.
     medians = [each.lower[0] for each in pictured if each.measure == "median"]
     return claim.measure == "drowned" and bool(medians) and (claim.part == "picture" or min(medians) < 22.0)
 

@@ -309,11 +309,9 @@ def goals_of(parsed: Parsed, vocabulary: Vocabulary | None = None) -> Goals:
 
 
 def resolved(parsed: Parsed, wishes: Sequence[Wish]) -> Goals:
-    """Goals of wishes: in order of rank, each wish is kept unless it contradicts one that is kept already.
-
-    A word whose visible wishes all lose also drops its other wishes. Wishes that these had overridden can then win.
-    """
-    idle: set[int] = set()  # ids of the words that have lost all visible wishes
+    """Goals of wishes: in order of rank, each wish is kept unless it contradicts one that is kept already."""
+    # Ids of the words that have lost all visible wishes and drop the others, too; wishes that these had overridden can then win
+    idle: set[int] = set()
     ranked = sorted(wishes, key=lambda each: each.rank)  # equal ranks stay in the order of the prompt
     kept, lost = list[Wish](), list[Lost]()
 

@@ -199,17 +199,14 @@ class WrittenGoals:
     holds: bool = False  # whether the rest of the image stays
 
     def within(self, words: SceneDescription) -> Goals:
-        """The goals, bound to a scene, with notes on what is missing in it.
-
-        A word for a material or light that the scene lacks describes the whole region or kind. If the wish comes from a reference
-        image and the scene has none of its materials, it is left out.
-        """
+        """The goals, bound to a scene, with notes on what is missing in it."""
         known = {*words.lights, *(f"{GLOW}{name}" for name in words.glows)}
         bound, gone, notes = dict[int, Attribute](), set[int](), list[str]()
         for a in self.attributes:
             owners = tuple(name for name in a.owners if name in words.materials)
             lights = tuple(name for name in a.lights if name in known)
             bound[id(a)] = replace(a, owners=owners, lights=lights)
+            # A word for what the scene lacks describes the whole region or kind; a statement of a reference image is left out.
             left_out = a.slot == PICTURE and a.owners and not owners
             gone |= {id(a)} if left_out else set()
             missing = [name for name in a.owners if name not in owners]

@@ -76,12 +76,7 @@ def watts(instance: Instance, scene: SceneDescription) -> float:
 def facing_radiance(
     instances: dict[str, Instance], scene: SceneDescription, value: Value, lights: Collection[str] | None = None
 ) -> float:
-    """Radiance, before exposure, of a white surface that faces all lights and glows, or only those that are named.
-
-    Args:
-        value: Gives the value of an instance to compute with.
-        lights: Names of lights, and of glows as "material/NAME"; None for all.
-    """
+    """Radiance, before exposure, of a white surface that faces all `lights`, or those named; glows are named "material/NAME"."""
     found = {}
     for instance in instances.values():
         if instance.parameter.group == "light" and instance.parameter.name in ("power", "strength"):

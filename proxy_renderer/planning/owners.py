@@ -40,7 +40,11 @@ class SceneLights:
             self.key = sorted([*(own or self.lamps), *self.glows], key=self._radiance, reverse=True)[:1]
         others = [n for n in self.lamps if n not in self.key]
         unassigned = [n for n in others if n not in self.of_role("fill")] or others
-        behind = sorted(unassigned, key=lambda light: abs(self._turn(light) % 360.0 - 180.0))
+        angles = {
+            i.owner: i.value[0] / i.reference for i in instances.values() if i.parameter.family == "light/azimuth"
+        }
+        turns = {n: (angles.get(n, 0.0) - scene.camera_azimuth) % 360.0 for n in unassigned}
+        behind = sorted(unassigned, key=lambda n: abs(turns[n] - 180.0))
         self.rim = [n for n in self.of_role("rim") if n not in self.key] or behind[:1]
         self.fill = [n for n in [*self.of_role("fill"), *self.glows] if n not in self.key]
 
@@ -87,12 +91,6 @@ class SceneLights:
 
     def _but(self, names: list[str]) -> list[str]:
         return [name for name in self.every if name not in names]
-
-    def _turn(self, light: str) -> float:
-        """Azimuth of a light from the camera, in degrees."""
-        instance = self._instances.get(f"light/{light}/azimuth")
-        azimuth = instance.value[0] / instance.reference if instance else 0.0
-        return azimuth - self._scene.camera_azimuth
 
     def _radiance(self, *lights: str) -> float:
         """Radiance of a white surface that faces the named lights and glows, or all, at the artist's values."""

@@ -179,7 +179,12 @@ class _Planner:
         for stage in range(STAGES):
             due = [(wish, effect) for wish, effect in self.acts if stage_of(effect) == stage]
             self.agreed.add([each for wish, effect in due for each in self._ranges(wish, effect)])
-            self._note_sources()
+            scene, key = self.sources.scene, self.owners.lights.key
+            facing = facing_radiance(self.instances, scene, self.agreed.value, key)
+            world = backdrop = self._world("", scene.environment_luminance)
+            if BACKDROP in self.instances:
+                backdrop = self._world("backdrop_", scene.backdrop_luminance)
+            self.sources = replace(self.sources, key=facing, world=world, backdrop=backdrop)
         entries = {key: self._entry(instance) for key, instance in self.instances.items()}
         self.notes += [*self.agreed.notes(), *self._unmet()]
         for reason, keys in self.kept.items():
@@ -238,15 +243,6 @@ class _Planner:
         # A film's cast, and light that moves around its color, may change hue; a material keeps its hue.
         any_hue = effect.mode == "cast" or (effect.mode == "near" and OWNERS[effect.owner] != "material")
         return WishedRange(instance.key, lower, upper, wish, reason, *ranks, start, any_hue)
-
-    def _note_sources(self) -> None:
-        scene, key = self.sources.scene, self.owners.lights.key
-        facing = facing_radiance(self.instances, scene, self.agreed.value, key)
-        self.sources = replace(self.sources, key=facing)
-        world = backdrop = self._world("", scene.environment_luminance)
-        if BACKDROP in self.instances:
-            backdrop = self._world("backdrop_", scene.backdrop_luminance)
-        self.sources = replace(self.sources, world=world, backdrop=backdrop)
 
     def _world(self, part: str, level: float) -> WorldLook:
         """The look of the world (`part` "") or of its backdrop by the ranges so far; `level` is its image's mean luminance."""

@@ -15,11 +15,6 @@ from ..words.types import Attribute
 EDGES = ("rim", "kicker")  # parts that draw an edge from behind
 FILLS = ("fill", "bounce")  # parts that open the shadows
 FREE = ("key", "accent", "practical", "top")  # for lights whose use the prompt does not say, in order
-_TEMPLATES = {
-    "rim": "rim light", "kicker": "kicker light", "fill": "fill light", "bounce": "bounce light",
-    "background": "background light",
-}  # fmt: skip
-"""Part -> the rig that adds a light of that part."""
 # azimuth from the camera, in degrees, beyond which a light draws edges and leaves the visible side dark
 BEHIND = 120.0
 _EDGE = 128.0  # azimuth of an edge light behind the subject
@@ -159,7 +154,8 @@ def _source(attribute: Attribute, table: RigTable) -> RigLight | None:
 
 def _template(light: DescribedLight, base: RigLight | None, key: RigLight | None, table: RigTable) -> RigLight:
     """The light that words then change: that of the named source, else the rig's own of this part, else a plain one."""
-    plain = (table.rigs[_TEMPLATES[light.part]] if light.part in _TEMPLATES else table.plain).lights[0]
+    has_rig = light.part in (*EDGES, *FILLS, "background")  # one that adds a light of that part
+    plain = (table.rigs[f"{light.part} light"] if has_rig else table.plain).lights[0]
     stops = -0.5 if light.part in FREE[1:] else plain.stops
     made = replace(base, stops=max(base.stops, stops)) if base else replace(plain, stops=stops)
     sources = [a for a in light.said if _source(a, table)]

@@ -48,12 +48,7 @@ class Placed:
 def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True, anew: bool = False) -> list[Placed]:
     """The lights of a rig in a scene, the key first, without those that reach nothing.
 
-    A rig's light is one of the scene's or an added one. If neither reaches the target, the scene's key plays the key, and a
-    light called "Rim" the rim, wherever they stand.
-
-    Args:
-        add: Whether lights may be added.
-        anew: Whether no light of the scene may be used.
+    A rig's light is one of the scene's, unless `anew`, or an added one, if `add` allows that.
     """
     found: list[Placed] = []
     turned, present = 1.0, {light.name for light in stage.scene.lights if anew}
@@ -191,18 +186,14 @@ def _best_place(light: RigLight, stage: LightStage) -> tuple[Tensor, float]:
 
 
 def _sun(light: RigLight, stage: LightStage) -> tuple[float, float] | None:
-    """Azimuth from the camera and elevation of a sun, in degrees; None if no sun reaches the subject.
-
-    A sun through a window is searched for over the whole sky, unless the scene is outdoors: it should draw a patch that the
-    camera sees, light the subject, and not stand behind the camera. Others stand where the rig has them, unless something
-    is in the way there.
-    """
+    """Azimuth from the camera and elevation of a sun, in degrees; None if no sun reaches the subject."""
     everywhere = [(float(a), e) for a in range(-180, 180, 12) for e in (8.0, 14.0, 22.0, 32.0, 44.0, 60.0)]
     sides = (1.0, -1.0) if light.mirrored and light.azimuth else (1.0,)
     near = [
         (side * light.azimuth + turn, max(light.elevation + rise, 4.0))
         for side, turn, rise in itertools.product(sides, (0.0, -20.0, 20.0), (0.0, 10.0))
     ]
+    # where the rig has it, or, if something is in the way there, over the whole sky
     searches = [(_in_the_open, near), (_in_the_open, everywhere)]
     if light.through and stage.openness < _OUTDOORS:
         searches.insert(0, (_through_window, everywhere))
