@@ -242,16 +242,16 @@ class ClaimSet:
         ]
 
     @cached_property
-    def _plain(self) -> list[int]:
-        """Numbers of the claims about mean colors."""
+    def _plain(self) -> dict[int, Tensor]:
+        """Numbers of the claims about mean colors, with their regions."""
         rows = enumerate(zip(self.claims, self.regions, strict=True))
         of_means = "mean", "chromaticity"
-        return [i for i, (c, where) in rows if where is not None and c.measure in of_means and not c.direction]
+        return {i: where for i, (c, where) in rows if where is not None and c.measure in of_means and not c.direction}
 
     @cached_property
     def _shares(self) -> Tensor:
         """(n, H * W) share of each pixel in the mean of each region of `_plain`."""
-        regions = torch.stack([where for i in self._plain if (where := self.regions[i]) is not None]).flatten(1)
+        regions = torch.stack([*self._plain.values()]).flatten(1)
         return regions / regions.sum(1, keepdim=True)
 
     @cached_property

@@ -228,7 +228,7 @@ def _of_every_image(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
 
     # Words for white or a bright image allow overexposed parts; those for black or a dark image allow black ones.
     bright = any((c.part, c.measure) == ("picture", "lightness") and c.lower[0] > 60.0 for c in claims)
-    if not bright and not any(light > 90.0 for light in lightness):
+    if not bright and max(lightness, default=0.0) <= 90.0:
         yield Claim.unsaid("picture", "burnt", upper=_BURNT)
         glowing = any(wish.quantity == "glow" for wish in goals.wishes)
         full = any(max(c.color) > 0.97 for c in claims if c.color and c.measure == "color")
@@ -239,5 +239,5 @@ def _of_every_image(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
         yield Claim.unsaid("picture", "colorfulness", upper=82.0)
     dark |= any(c.measure in ("lightness", "black_point") and c.upper[0] < 50.0 for c in claims)
     dark |= any(c.measure == "silhouette" for c in claims)
-    if not dark and not any(light < 22.0 for light in lightness):
+    if not dark and min(lightness, default=100.0) >= 22.0:
         yield Claim.unsaid("picture", "drowned", upper=0.12)

@@ -58,9 +58,8 @@ class Sources:
     key: float = 0.0  # radiance, before exposure, of a white surface that faces the key; 0 without one
 
 
-_WHITE: Values = (1.0, 1.0, 1.0)
-
 Value = Callable[[Instance], Values]
+_WHITE: Values = (1.0, 1.0, 1.0)
 
 
 def watts(instance: Instance, scene: SceneDescription) -> float:

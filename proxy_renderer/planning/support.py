@@ -90,6 +90,7 @@ def _exposures(exposure: Instance, sources: Sources) -> Range:
     lower, upper = artist - _STOPS, artist + _STOPS
     if sources.scene.picture and sources.scene.picture.percentiles:
         darkest, _, lightest = (radiance(v, sources.scene.view) for v in sources.scene.picture.percentiles)
+        # The darkest twentieth of an image may always come down to L* 50, and the lightest up to 75: a scene may be all black.
         dark, light = (radiance(v, sources.scene.view) for v in (50.0, 75.0))
         lower = min(lower, now + min(math.log2(dark / darkest), 0.0))
         upper = max(upper, now + max(math.log2(light / lightest), 0.0))

@@ -322,10 +322,9 @@ def _entries(
                 ends = tuple(v - _TURN[name] for v in value), tuple(v + _TURN[name] for v in value)
             lower, upper = (within(end, instance.lower, instance.upper) for end in ends)
             bright = name in ("power", "strength") and instance.parameter.group in ("light", "world")
-            word, varies = _word_for(chosen, parts.get(instance.owner, ""), name), turns and any_side
-            where = lower, upper, 1 if bright else 4
-            start = within(value, lower, upper)
-            entries[key] = PlanEntry(*where, f"'{word}'", 0.0, usual=True, varies=varies, start=start)
+            reason = f"'{_word_for(chosen, parts.get(instance.owner, ''), name)}'"
+            priority, varies, start = 1 if bright else 4, turns and any_side, within(value, lower, upper)
+            entries[key] = PlanEntry(lower, upper, priority, reason, 0.0, usual=True, varies=varies, start=start)
     # The scene's lights that play a part but hang in no lamp stay, but variants may vary.
     hanging = [x.name for x in lights if any_side and x.own and not (x.fixed or x.light.worn)]
     for key in (f"light/{name}/{angle}" for name in hanging for angle in _TURN):
