@@ -252,12 +252,11 @@ class _Planner:
         return WorldLook(tuple(v * level for v in self.agreed.value(tint)), level) if tint else WorldLook()
 
     def _own_color(self, owner: str) -> tuple[float, ...]:
-        named = [a for a in self.parsed.attributes if a.kind == "subject" and a.color and not a.negated]
-        if named and named[0].color:
-            return named[0].color
-        # else the color of the material itself
+        """The sRGB color that words give the subject, or else that of a material."""
+        named = (a.color for a in self.parsed.attributes if a.kind == "subject" and a.color and not a.negated)
         found = (self.instances.get(f"material/{owner}/{name}") for name in ("base_color", "tint"))
-        return next((srgb_from_linear(self.agreed.value(i)) for i in found if i), (1.0, 1.0, 1.0))
+        own = (srgb_from_linear(self.agreed.value(i)) for i in found if i)
+        return next(named, None) or next(own, (1.0, 1.0, 1.0))
 
     def _glow(self, owner: str) -> float:
         """The artist's emission of a material, times the largest component of its color; 0 without one."""

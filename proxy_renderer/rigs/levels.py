@@ -83,7 +83,7 @@ def measured(
     # the key, by the exposure that the rig wants and the subject's own lightness
     albedo = float(stage.subject.albedo.mean()) if len(stage.subject) else GRAY
     albedo = min(max(albedo, 0.05), 0.8)
-    kept = 0.7 if albedo > GRAY else 0.42
+    kept = 0.7 if albedo > GRAY else 0.42  # exponent: the image keeps this of the subject's lightness
     lit = exposing.gray(GRAY * 2.0**rig.exposure * (albedo / GRAY) ** kept)
     # all light on the subject's lit side, as a multiple of the key's: half of the fills reaches that side, too
     fills = (x.light.stops for x in lights[1:] if x.light.part in ("fill", "bounce", "top", "accent"))
@@ -93,6 +93,7 @@ def measured(
     # Greatest radiance of the subject (0) and of its surroundings (1), which may be bright behind a silhouette
     behind = max([0.0, *(x.light.stops for x in lights if x.light.reach == "background")])
     exposures = rig.exposure, rig.exposure + behind
+    # highlights of a normally exposed image, which follow most of the rig's exposure
     whites = [exposing.gray(0.7 * 2.0 ** (0.7 * exposure)) for exposure in exposures]
     sky = sky_irradiance(stage)
     if rig.keeps_own_light:

@@ -175,6 +175,7 @@ def _best_place(light: RigLight, stage: LightStage) -> tuple[Tensor, float]:
         elevation = max(min(light.elevation + rise, 88.0), -60.0)
         place = stage.place(side * light.azimuth + turn, elevation, nearer * light.distance)
         share = float(stage.reached(points, place).mean())
+        # of another place than the rig's
         cost = abs(turn) / 110.0 + abs(rise) / 80.0 + 0.25 * (1 - nearer) + 0.03 * (side < 0)
         shown = stage.mirrors(place, light.size * stage.radius) > 0.003  # in water or a floor
         score = min(share, 0.5) - 0.3 * cost * max(share, 0.1) - 0.2 * shown
@@ -235,7 +236,7 @@ def _at_lamps(light: RigLight, stage: LightStage) -> Iterator[Tensor]:
     """Places (3,) of the scene's lamps, flames and signs that can be this light, the nearest to the subject first."""
     words = {word.removesuffix("s") for word in light.names}
     most = 2 * _NEAR * stage.radius
-    named = ((m, size) for _, spoken, m, size in stage.things if spoken & words and size < most)
+    named = ((m, size) for spoken, m, size in stage.things if spoken & words and size < most)
     lamps = [*(stage.parts_of(light.worn) if light.worn else named)]
     lamps.sort(key=lambda row: float((row[0] - stage.middle).norm()))
     for middle, size in lamps:

@@ -117,15 +117,15 @@ class LightStage:
         return self.geometry.clear(points.position.to(device), toward.to(device), distance.to(device)).cpu()
 
     @cached_property
-    def things(self) -> list[tuple[str, frozenset[str], Tensor, float]]:
-        """For each object: its name, the words of the name, the middle (3,) of its box, and half the box's diagonal."""
+    def things(self) -> list[tuple[frozenset[str], Tensor, float]]:
+        """For each object: the words of its name, the middle (3,) of its box, and half the box's diagonal."""
         mesh, found = self.scene.mesh, []
         order = np.argsort(mesh.object, kind="stable")
         ends = np.bincount(mesh.object, minlength=len(self.scene.objects)).cumsum()[:-1]
         for thing, mine in zip(self.scene.objects, np.split(order, ends), strict=True):
             if len(faces := mesh.faces[mine]):
                 words = frozenset(word.removesuffix("s") for word in plain_name(thing.name).split())
-                found.append((thing.name, words, *_box(mesh.vertices[faces.ravel()])))
+                found.append((words, *_box(mesh.vertices[faces.ravel()])))
         return found
 
     def parts_of(self, materials: Collection[str]) -> Iterator[tuple[Tensor, float]]:

@@ -233,7 +233,7 @@ def test_no_two_lights_burn_in_one_sign(signs, scene):
     """Pink and cyan in the same place would be one color."""
     stage = LightStage(scene, geometry_of(scene, torch.device("cpu")))
     places = [stage.middle + stage.radius * torch.tensor([side, -2.0, 0.5]) for side in (-2.0, 2.0)]
-    stage.things = [(f"Sign {n}", frozenset({"sign"}), place, 0.1) for n, place in enumerate(places[:signs])]
+    stage.things = [(frozenset({"sign"}), place, 0.1) for place in places[:signs]]
     lights = [x for x in placed(rig_table().rigs["rainy night"].lights, stage) if "sign" in x.light.names]
     assert len({(x.azimuth, x.elevation, x.distance) for x in lights}) == len(lights) == 2
     assert sum(x.fixed for x in lights) == signs
