@@ -44,7 +44,8 @@ def compose(parsed: Parsed, overruled: Collection[Attribute] = (), vocabulary: V
         [a for a in said if whole in (a.kind, a.entry) or (a.kind in kinds and a.slot in _OF_MATTER)]
         for whole, kinds in _KINDS.values()
     )
-    noun, backdrop = (_called(region, parsed) for region in _KINDS)
+    names = {o.region: "" if o.name == o.region else o.name for o in reversed(parsed.objects)}
+    noun, backdrop = names.get("subject") or "object", names.get("surroundings") or "background"
     things: dict[str, list[Attribute]] = {}  # noun -> its words: "a white cup, a black table" has two nouns
     for attribute in mine:
         things.setdefault((attribute.owners and attribute.thing) or noun, []).append(attribute)
@@ -55,11 +56,6 @@ def compose(parsed: Parsed, overruled: Collection[Attribute] = (), vocabulary: V
     caption = ", ".join(dict.fromkeys(filter(None, (foreground, background, *looks))))
     mistakes = captions.mistakes(mine, theirs, noun), captions.mistakes(theirs, mine, backdrop)
     return Prompts(foreground, background, caption, *mistakes, captions.unwanted(meant))
-
-
-def _called(region: str, parsed: Parsed) -> str:
-    name = next((o.name for o in parsed.objects if o.region == region), region)
-    return {"subject": "object", "surroundings": "background"}[region] if name in ("", region) else name
 
 
 class _Captions:

@@ -152,8 +152,6 @@ class SceneMaterials:
 
 
 BACKDROP = "world/backdrop_strength"  # exists if the camera sees another background than the one that lights
-SEEN = ("surroundings", "sky")  # kinds of targets that mean the visible background
-SLIVER = 0.05  # share of the surroundings below which the visible world counts as none
 
 
 class Owners:
@@ -177,7 +175,7 @@ class Owners:
             elsewhere = attribute.owners or any(a.kind == "sky" for a in self._parsed.attributes)
             if attribute.kind == "surroundings" and effect.mode != "times" and elsewhere:
                 return []
-            seen = bool(own) and (effect.mode == "shown" or attribute.kind in SEEN)
+            seen = bool(own) and (effect.mode == "shown" or attribute.kind in ("surroundings", "sky"))
             of_light = effect.mode in ("share", "times", "gel")  # on the world's light alone
             names = [own] if seen else [effect.name] if of_light else [effect.name, own]
         elif group == "material":
@@ -196,7 +194,7 @@ class Owners:
     def world_is_hidden(self) -> bool:
         """True if surfaces fill nearly all of the camera's view, so that the world is not visible."""
         share = self._world_share
-        return share is not None and share < SLIVER and bool(self.materials.of_region("surroundings"))
+        return share is not None and share < 0.05 and bool(self.materials.of_region("surroundings"))
 
 
 def protected(instance: Instance, parsed: Parsed) -> Instance:

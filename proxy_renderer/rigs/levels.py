@@ -22,7 +22,6 @@ from ..words.lexicon.rigs import Rig
 from .places import Placed
 from .stage import LightStage, Points
 
-WHITE = 0.8  # greatest luminance, on the display, to which a surface is lit
 _LEAST_CHANNEL = 1e-4  # on the display
 
 
@@ -37,8 +36,8 @@ class Exposing:
         self._stops += math.log2(max(film.gain, 1e-3))
 
     def gray(self, luminance: float) -> float:
-        """Scene-linear radiance of a gray that is displayed with a luminance; `WHITE` at most."""
-        return self.color((min(luminance, WHITE),) * 3)[0]
+        """Scene-linear radiance of a gray that is displayed with a luminance; 0.8 at most."""
+        return self.color((min(luminance, 0.8),) * 3)[0]
 
     def color(self, displayed: Sequence[float]) -> Values:
         """Scene-linear light that is displayed as a linear color, or as a paler one of that hue where the view shows none so pure."""
