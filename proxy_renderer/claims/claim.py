@@ -18,34 +18,16 @@ from ..schema import Values
 from ..words.lexicon.quantities import quantities
 from ..words.types import Part
 from .measures import MEASURES
-from .measures.color import RegionMeans, chromaticity
+from .measures.color import chromaticity_of
 from .measures.picture import MeasuredPicture, is_black, region_of
 
 _FEW = 16  # regions of fewer pixels are not measured
-_SEEN = 0.05  # parts that words color are left out only if more than this share of the region remains
-_OF_MEANS = ("mean", "chromaticity")  # measures of a region's mean color
-_AIR = ("haze", "air_lightness", "tint")  # of surroundings; if the subject fills the image, of all of it
-
-_NEARLY = 1.0  # times `change`: farther from the interval no change is enough, as very blue is not warm yet
 HOLDS = 1.0  # a claim is satisfied if it is missed by at most so many noticeable steps
-
-_INSIDE, _INSIDE_COLOR = 0.5, 0.85
-"""Share of half an interval's width by which each end of the aim lies inside; the second is for colors. A color at the very end
-of the interval of navy looks like another blue to some people."""
-
+_COLORS = ("color", "mean")  # measures in OKLab
 _FARTHER = 1e4  # larger than any value of a measure: distance of the middle of an interval with one open end
-_MARGIN = 2.0  # noticeable steps by which an end of the aim lies inside, at most; also for open intervals
-
 _SATURATED, _WIDENED = 40.0, 0.045
 """C* of a color from which the measure's own noticeable step applies to chroma and hue. Of paler colors people notice smaller
 differences, in proportion to CIEDE2000's weight of chroma, 1 + 0.045 C* (Sharma, Wu and Dalal 2005): the second number."""
-
-_FAINT, _HEAVIEST = 1.0, 2.0  # least chroma, and largest result, in `Claim._hue_weight`
-_MANY = 8  # more claims than this about mean colors are measured together, which is faster
-_LEAST = 0.02  # share of the image that a target needs for judges to see its look
-_HARDEST = 100.0  # the largest miss that is reported, in noticeable steps
-
-_COLORS = ("color", "mean")  # measures in OKLab
 
 
 @dataclass(frozen=True)
@@ -93,10 +75,14 @@ class Claim:
         if MEASURES[self.measure].beside and region_of(seen, "surroundings").sum() < _FEW:
             return None  # the subject fills the image
         where = region_of(seen, self.part, self.materials)
-        if self.part == "surroundings" and not self.materials and self.measure in _AIR and where.sum() < _FEW:
-            where = torch.ones_like(where)
+        of_air = self.part == "surroundings" and self.measure in ("haze", "air_lightness", "tint")
+        if of_air and not self.materials and where.sum() < _FEW:
+            where = torch.ones_like(where)  # if the subject fills the image, the air of all of it
         if self.box:
-            where = where & _inside(self.box, where)
+            left, upper, right, lower = (round(v * n) for v, n in zip(self.box, 2 * where.shape[::-1], strict=True))
+            inside = torch.zeros_like(where)
+            inside[upper:lower, left:right] = True
+            where = where & inside
         apart, rest = self.apart, where.clone()
         if self.part == "subject" and self.measure == "color" and not self.materials and seen.surrounding:
             # A color word for the subject does not recolor materials that it shares with its surroundings.
@@ -105,7 +91,7 @@ class Claim:
             rest &= ~region_of(seen, part, materials)
         if self.by:
             return rest if rest.sum() >= _FEW else None
-        where = rest if rest.sum() > _SEEN * where.sum() else where
+        where = rest if rest.sum() > 0.05 * where.sum() else where
         return where if where.sum() >= _FEW else None
 
     def value(self, picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -132,19 +118,13 @@ class Claim:
         return light, x * along - y * across, y * along + x * across
 
     def _hue_weight(self, along: Tensor) -> Tensor:
-        """The weight () of a color's distance across the wanted hue, from its chroma () along that hue.
-
-        The tolerance is a share of the wanted chroma. The same distance is a larger angle of hue in a paler color, so it counts more.
-        """
+        """The weight () of a color's distance across the wanted hue, from its chroma () along that hue."""
+        # The tolerance is a share of the wanted chroma. In a paler color the same distance is a larger angle of hue.
         wanted = (self.lower[1] + self.upper[1]) / 2
-        return (wanted / along.clamp_min(_FAINT)).clamp(1.0, _HEAVIEST)
+        return (wanted / along.clamp_min(1.0)).clamp(1.0, 2.0)
 
     def interval(self, before: Tensor | None) -> tuple[Values, Values]:
-        """The lower and the upper end, in the measure's unit, with a sufficient change taken into account.
-
-        Args:
-            before: (n,) value of the artist's image; None if it is not known, for the claim's own ends.
-        """
+        """The lower and the upper end, with a sufficient change since the artist's image, of value `before` (n,), if that is known."""
         if self.by and before is not None:
             own, step = before.tolist(), before.new_tensor(self.notice).expand_as(before).tolist()
             least, most = (
@@ -159,10 +139,11 @@ class Claim:
         value = float(before[0])
         rises = self.change > 0.0
         lower, upper = value + self.change if rises else value, value if rises else value + self.change
+        # Farther from the interval no change is enough, as very blue is not warm yet.
         if self.near and rises:
-            lower = max(lower, self.lower[0] - _NEARLY * self.change)
+            lower = max(lower, self.lower[0] - self.change)
         elif self.near:
-            upper = min(upper, self.upper[0] - _NEARLY * self.change)
+            upper = min(upper, self.upper[0] - self.change)
         return (min(self.lower[0], lower),), (max(self.upper[0], upper),)
 
     @cached_property
@@ -177,34 +158,28 @@ class Claim:
 
     def residual(self, value: Tensor, before: Tensor | None) -> Tensor:
         """Distance of a value (n,) from the interval: (n,) in noticeable steps, negative below it, 0 inside."""
-        return outside(*self.in_steps(value, before))
-
-    def in_steps(self, value: Tensor, before: Tensor | None) -> tuple[Tensor, Tensor, Tensor]:
-        """A value (n,), and the lower and the upper end of its interval, in noticeable steps."""
         notice = value.new_tensor(self.notice)
         lower, upper = (value.new_tensor(end) / notice for end in self.interval(before))
-        return value / notice, lower, upper
+        return outside(value / notice, lower, upper)
 
     def aim(
         self, value: Tensor, before: Tensor | None, ends: tuple[Tensor, Tensor] | None = None
     ) -> tuple[Tensor, Tensor, Tensor]:
-        """A value and its interval as from `in_steps`, times the weight, with the ends moved inward: what the search looks for.
-
-        The `ends` of an earlier call for the same type of value can be given, to save time.
-        """
-        if ends is None:
-            _, lower, upper = self.in_steps(value.detach(), before)
+        """A value (n,) and its interval, in noticeable steps times the weight, with the ends moved inward: what the search looks for."""
+        notice = value.new_tensor(self.notice)
+        if ends is None:  # not known from an earlier call for a value of the same type
+            lower, upper = (value.new_tensor(end) / notice for end in self.interval(before))
             half = (upper - lower) / 2
-            if self.measure == "color":
-                inward = _INSIDE_COLOR * half
+            if self.measure == "color":  # the very end of the interval of navy looks like another blue to some people
+                inward = 0.85 * half
             else:
-                inward = (_INSIDE * half).clamp_max(_MARGIN if self.word else 0.0)
+                inward = (0.5 * half).clamp_max(2.0 if self.word else 0.0)
             ends = self.weight * (lower + inward), self.weight * (upper - inward)
-        return self.weight * value / value.new_tensor(self.notice), *ends
+        return self.weight * value / notice, *ends
 
     def miss(self, value: Tensor, before: Tensor | None) -> float:
         """The length of the residual, in noticeable steps. The claim is satisfied if it is at most `HOLDS`."""
-        return min(float(self.residual(value, before).norm()), _HARDEST)
+        return min(float(self.residual(value, before).norm()), 100.0)
 
     def was_so(self, before: Tensor, after: Tensor) -> bool:
         """True if the claim was satisfied before and is now, without a noticeable step to the middle or past an open end."""
@@ -220,12 +195,9 @@ class Claim:
         return float(((before - core) / notice).norm() - ((after - core) / notice).norm())
 
     def is_sure(self, before: Tensor | None, after: Tensor | None, share: float) -> bool:
-        """True if judges can see the verdict on a target with this share of the image.
-
-        The claim was satisfied already, or the value changed by as many noticeable steps as judges need for this measure.
-        """
-        steps = quantities().seen.get(self.measure, 1.0)
-        if math.isinf(steps) or share < _LEAST or before is None or after is None:
+        """True if judges can see the verdict on a target with this share of the image."""
+        steps = quantities().seen.get(self.measure, 1.0)  # that judges need
+        if math.isinf(steps) or share < 0.02 or before is None or after is None:
             return False
         return self.was_so(before, after) or self.gain(before, after) >= steps
 
@@ -259,22 +231,28 @@ class ClaimSet:
 
     def values(self, picture: MeasuredPicture) -> list[Tensor | None]:
         """The value (n,) of each claim in an image, differentiable in the image; None if the target is hardly visible."""
-        means = self._means.of(picture) if self._means else {}
-        known = {i: _of_mean(self.claims[i], mean) for i, mean in means.items()}
+        known: dict[int, Tensor] = {}
+        if len(self._plain) > 8:  # together they are faster: a reference image of the same scene has one per place
+            means = (self._shares.to(picture.oklab) @ picture.oklab.flatten(0, 1)).unbind()
+            for i, mean in zip(self._plain, means, strict=True):
+                known[i] = mean if self.claims[i].measure == "mean" else chromaticity_of(mean)
         return [
             None if where is None else known[i] if i in known else claim.value(picture, where)
             for i, (claim, where) in enumerate(zip(self.claims, self.regions, strict=True))
         ]
 
     @cached_property
-    def _means(self) -> RegionMeans | None:
-        """The means for claims about mean colors, if there are many: a reference image of the same scene has one per place."""
-        plain = {
-            i: where
-            for i, (claim, where) in enumerate(zip(self.claims, self.regions, strict=True))
-            if where is not None and claim.measure in _OF_MEANS and not claim.direction
-        }
-        return RegionMeans(plain) if len(plain) > _MANY else None
+    def _plain(self) -> dict[int, Tensor]:
+        """Numbers of the claims about mean colors, with their regions."""
+        rows = enumerate(zip(self.claims, self.regions, strict=True))
+        of_means = "mean", "chromaticity"
+        return {i: where for i, (c, where) in rows if where is not None and c.measure in of_means and not c.direction}
+
+    @cached_property
+    def _shares(self) -> Tensor:
+        """(n, H * W) share of each pixel in the mean of each region of `_plain`."""
+        regions = torch.stack([*self._plain.values()]).flatten(1)
+        return regions / regions.sum(1, keepdim=True)
 
     @cached_property
     def _ends(self) -> dict[tuple[int, torch.dtype, torch.device], tuple[Tensor, Tensor]]:
@@ -297,20 +275,6 @@ class ClaimSet:
         """Distance of an image from the interval of each claim that can be measured: (n,) each, see `Claim.residual`."""
         rows = zip(self.claims, self.values(picture), self.before, strict=True)
         return [claim.residual(value, before) for claim, value, before in rows if value is not None]
-
-
-def _of_mean(claim: Claim, mean: Tensor) -> Tensor:
-    """The value (n,) of a claim about a mean color (3,)."""
-    return mean if claim.measure == "mean" else chromaticity(mean)
-
-
-def _inside(box: Values, like: Tensor) -> Tensor:
-    """(H, W) bool: the pixels in a part of the frame, see `Claim.box`."""
-    height, width = like.shape
-    left, upper, right, lower = box
-    inside = torch.zeros_like(like)
-    inside[round(upper * height) : round(lower * height), round(left * width) : round(right * width)] = True
-    return inside
 
 
 def outside(values: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
@@ -337,29 +301,34 @@ class ShotClaims:
             # Claims that a further sentence leaves a place as it is are not reported.
             told = tuple(claim for claim in self.claims if claim.word or not claim.by)
             judged = ClaimSet.about(told, MeasuredPicture.of(before, self.before)).in_view(self.after)
-            guesses, values = (self._values(judged, picture) for picture in (predicted, after))
+            guesses, values = (
+                # a black image shows nothing that could be measured
+                [None] * len(told) if is_black(each) else judged.values(MeasuredPicture.of(each, self.after))
+                for each in (predicted, after)
+            )
         shares = [0.0 if where is None else float(where.float().mean()) for where in judged.regions]
         rows = zip(judged.claims, judged.before, guesses, values, shares, strict=True)
         return [_verdict(*row) for row in rows]
-
-    def _values(self, judged: ClaimSet, picture: Tensor) -> list[Tensor | None]:
-        """The value of each claim in an image; all None if the whole image is black."""
-        if is_black(picture):
-            return [None] * len(judged.claims)
-        return judged.values(MeasuredPicture.of(picture, self.after))
 
 
 def _verdict(
     claim: Claim, before: Tensor | None, predicted: Tensor | None, after: Tensor | None, share: float
 ) -> dict[str, Any]:
     miss = None if after is None else claim.miss(after, before)
+    # The interval in a few words: "at least 8", "#1fb5b5"
+    if claim.measure in _COLORS:
+        wanted = _hex(claim.oklab(tuple((a + b) / 2 for a, b in zip(claim.lower, claim.upper, strict=True))))
+    elif len(claim.lower) > 1:
+        wanted = ", ".join(_range(*ends) for ends in zip(claim.lower, claim.upper, strict=True))
+    else:
+        wanted = _range(*(end[0] for end in claim.interval(before)))
     return {
         "word": claim.word,
         "thing": claim.thing,
         "measure": claim.measure,
         "says": MEASURES[claim.measure].says,
         "unit": MEASURES[claim.measure].unit,
-        "wanted": interval_text(claim, before),
+        "wanted": wanted,
         "before": _shown(claim, before),
         "predicted": _shown(claim, predicted),
         "after": _shown(claim, after),
@@ -370,15 +339,6 @@ def _verdict(
         **({"also": list(claim.also)} if claim.also else {}),
         **({"reason": claim.reason} if claim.reason else {}),
     }
-
-
-def interval_text(claim: Claim, before: Tensor | None) -> str:
-    """The interval of a claim in a few words: "at least 8", "#1fb5b5"."""
-    if claim.measure in _COLORS:
-        return _hex(claim.oklab(tuple((a + b) / 2 for a, b in zip(claim.lower, claim.upper, strict=True))))
-    if len(claim.lower) > 1:
-        return ", ".join(_range(*ends) for ends in zip(claim.lower, claim.upper, strict=True))
-    return _range(*(end[0] for end in claim.interval(before)))
 
 
 def _range(lower: float, upper: float) -> str:

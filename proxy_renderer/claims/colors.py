@@ -13,39 +13,10 @@ from ..words.lexicon.vocabulary import Vocabulary
 from ..words.types import Attribute, Part
 from .claim import Claim
 
-# Intervals of a color, around the nearest color that an image can show
-_LIGHTNESS = 10.0  # half the interval of lightness
-_CHROMA, _LEAST_CHROMA = 0.25, 2.5  # half the interval of chroma: share of the chroma; its lower limit
-_FAINTEST = 1.8  # chroma up to which a color counts as gray
-_OFF_GRAY = 0.6  # share of the chroma above `_LEAST_CHROMA` by which a color may be paler, at most
-_ASIDE, _LEAST_ASIDE = 0.2, 1.5  # half the interval across the hue: share of the chroma; its lower limit
-_FARTHEST = 12.0  # distance in lightness from the named color, at most; more only if an image cannot show it
-
 # Tints of colored light, air and film
 COLORED = 12.0  # C* below which a color tints nothing
 _TINTED, _TINTED_MORE = 6.0, 3.0  # least tint along the color's hue; increase that is enough instead
-_LIT, _LIT_SHARE = 20.0, 0.4  # least tint if the color is the light's, but at most this share of its chroma
-_LIT_MORE = 0.8  # increase that is enough, as a share of the least tint: white in yellow light looks yellow
-_MOST_SHARE = 0.5  # largest tint, as a share of the color's chroma: more would leave no other colors
-_LEAST_MOST = 25.0  # the largest tint is never limited to less than this
-_OFF_HUE = 6.0  # largest tint across the color's hue, unless the artist's image has more
-_ACCENT = 12.0  # least tint of a tenth of the image, if the color is that of one of several lights
-_CAST = (6.0, 24.0)  # least and largest tint of the shadows or highlights
 
-# Gray fog: L* of a named color up to which it is black, and from which it is white; L* of that fog at most, at least
-_BLACK, _WHITE = 35.0, 85.0
-_BLACK_AIR, _WHITE_AIR = 35.0, 74.0
-
-# Gray materials
-_DARKER = 0.65  # least lightness as a share of the material's own: white has shaded parts
-_LIGHTER = 22.0  # L* above the material's own, at most: black has highlights
-_REPAINTED = 20.0  # change of L* that is enough instead
-_WHITE_MATERIAL = 75.0  # own L* above which there is no upper end
-_BLACK_MATERIAL = 40.0  # own L* below which there is no lower end
-_REFLECTING = {"material/metallic": 0.5, "material/transmission": 0.5}
-"""Family -> value above which an object mirrors or transmits its surroundings, so that its lightness is not claimed."""
-
-_TONE_CASTS = {"shadow": "shadow_cast", "highlight": "highlight_cast"}
 _TINTING = ("light", "fill", "rim", "ambience", "tone")  # kinds of targets whose color is a tint of the image
 
 
@@ -61,38 +32,33 @@ def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
         for tint in tints(word, "picture", "picture", srgb):
             yield from [as_accent(tint)] if attribute.of_one_light else _of_all_light(attribute, tint, srgb)
     # "teal shadows": a cast of the shadows, independent of paint; no claim for gray
-    elif attribute.kind in _TONE_CASTS:
+    elif attribute.kind in ("shadow", "highlight"):
         for tint in tints(word, "picture", "picture", srgb):
-            lower, upper = ((end,) for end in _CAST)
-            measure = _TONE_CASTS[attribute.kind]
-            yield replace(tint, measure=measure, lower=lower, upper=upper, change=None)
+            yield replace(tint, measure=f"{attribute.kind}_cast", lower=(6.0,), upper=(24.0,), change=None)
     elif attribute.kind == "fog":
         yield from tints(word, thing, "surroundings", srgb)
         light, strength = lab_from_srgb(srgb)[0], chroma(lab_from_srgb(srgb))
-        if strength < COLORED and not _BLACK < light < _WHITE:
-            white = light >= _WHITE
-            ends = ((_WHITE_AIR,), (math.inf,)) if white else ((-math.inf,), (_BLACK_AIR,))
+        if strength < COLORED and not 35.0 < light < 85.0:  # white or black fog
+            ends = ((74.0,), (math.inf,)) if light >= 85.0 else ((-math.inf,), (35.0,))
             yield Claim(word, attribute.thing, "air_lightness", "surroundings", *ends)
 
 
 def _interval(shown: Values, named: float) -> tuple[Values, Values, Values]:
     """The lower and upper end of a color's interval, and its hue: a unit vector (a, b), or () for gray.
 
-    The three numbers of an end are lightness, chroma along the hue and distance across the hue; for gray they are lightness, a and b.
-
-    Args:
-        shown: sRGB color nearest to the named one that an image can show. Yellow is shown darker, but not as dark as mustard.
-        named: Lightness of the named color itself.
+    An end has lightness, chroma along the hue and distance across it; for gray lightness, a and b. `shown` is the sRGB color that an
+    image can show nearest to the named one, of lightness `named`: yellow is shown darker, but not as dark as mustard.
     """
     light, a, b = (100 * v for v in oklab_from_srgb(shown))
     strength = math.hypot(a, b)
-    darkest = max(light - _LIGHTNESS, min(named - _FARTHEST, light))
-    lightest = min(light + _LIGHTNESS, max(named + _FARTHEST, light))
-    reach = max(_CHROMA * strength, _LEAST_CHROMA)
-    if strength <= _FAINTEST:
+    # Not far from the named color's lightness, unless an image cannot show it
+    darkest = max(light - 10.0, min(named - 12.0, light))
+    lightest = min(light + 10.0, max(named + 12.0, light))
+    reach = max(0.25 * strength, 2.5)
+    if strength <= 1.8:
         return (darkest, a - reach, b - reach), (lightest, a + reach, b + reach), ()
-    reach = min(reach, max(_OFF_GRAY * (strength - _LEAST_CHROMA), 1.0))  # pale, but no gray
-    across = min(reach, max(_ASIDE * strength, _LEAST_ASIDE))
+    reach = min(reach, max(0.6 * (strength - 2.5), 1.0))  # pale, but no gray
+    across = min(reach, max(0.2 * strength, 1.5))
     ends = (darkest, strength - reach, -across), (lightest, strength + reach, across)
     return *ends, (a / strength, b / strength)
 
@@ -107,21 +73,20 @@ def tints(word: str, thing: str, part: Part, srgb: Values, materials: tuple[str,
 
 def as_accent(tint: Claim) -> Claim:
     """The claim for a tint that is one of several in the image: only a tenth of the image has to have it."""
-    return replace(tint, measure="accent", lower=(_ACCENT,), upper=(math.inf,))
+    return replace(tint, measure="accent", lower=(12.0,), upper=(math.inf,))
 
 
 def _of_all_light(attribute: Attribute, tint: Claim, srgb: Values) -> Iterator[Claim]:
     """Claims that a color tints the whole image and, if it is the light's, that the hue is right: green light is not turquoise."""
     strength, least, change = chroma(lab_from_srgb(srgb)), _TINTED, _TINTED_MORE
     if attribute.kind == "light":
-        least = max(min(_LIT, _LIT_SHARE * strength), least)
-        change = max(_LIT_MORE * least, change)
-    most = max(_MOST_SHARE * strength, _LEAST_MOST)
+        least = max(min(20.0, 0.4 * strength), least)
+        change = max(0.8 * least, change)  # white in yellow light looks yellow
+    most = max(0.5 * strength, 25.0)  # more would leave no other colors
     yield replace(tint, lower=(least,), upper=(most,), change=change)
     if attribute.kind == "light":
         a, b = tint.direction
-        aside = replace(tint, measure="off_hue", direction=(-b, a), change=0.0)
-        yield replace(aside, lower=(-_OFF_HUE,), upper=(_OFF_HUE,))
+        yield replace(tint, measure="off_hue", direction=(-b, a), lower=(-6.0,), upper=(6.0,), change=0.0)
 
 
 def of_material(attribute: Attribute, others: Iterable[Attribute], vocabulary: Vocabulary) -> Iterator[Claim]:
@@ -129,8 +94,12 @@ def of_material(attribute: Attribute, others: Iterable[Attribute], vocabulary: V
     entry, part = vocabulary.entries.get(attribute.entry), attribute.part
     if entry is None or entry.slot != "material" or part == "picture":
         return
-    painted = any(_colors(other, attribute) for other in others)
-    reflects = any(max(e.upper, default=0.0) > _REFLECTING.get(e.family, math.inf) for e in entry.effects)
+    colors = [a for a in others if a.color is not None and not a.negated and a.region == attribute.region]
+    mine = {*attribute.owners}
+    painted = any(not (a.owners and mine) or not mine.isdisjoint(a.owners) for a in colors)
+    # An object that mirrors or transmits its surroundings has no lightness of its own.
+    families = "material/metallic", "material/transmission"
+    reflects = any(e.family in families and max(e.upper, default=0.0) > 0.5 for e in entry.effects)
     for effect in entry.effects:
         own = effect.family == "material/tint" and effect.mode == "color" and effect.color[0] == "#"
         if not own or (effect.weak and painted):
@@ -142,15 +111,8 @@ def of_material(attribute: Attribute, others: Iterable[Attribute], vocabulary: V
         if reflects or strength >= COLORED:
             continue
         # A gray material has about its own lightness: snow is white, and asphalt is not.
-        lower = -math.inf if light < _BLACK_MATERIAL else _DARKER * light
-        upper = math.inf if light > _WHITE_MATERIAL else light + _LIGHTER
-        change = _REPAINTED if upper == math.inf else -_REPAINTED if lower == -math.inf else None
+        lower = -math.inf if light < 40.0 else 0.65 * light  # white has shaded parts
+        upper = math.inf if light > 75.0 else light + 22.0  # black has highlights
+        change = 20.0 if upper == math.inf else -20.0 if lower == -math.inf else None
         ends = (lower,), (upper,)
         yield Claim(attribute.word, thing, "lightness", part, *ends, attribute.owners, change, color=srgb)
-
-
-def _colors(color: Attribute, material: Attribute) -> bool:
-    """True if a color word describes the same objects as a material word."""
-    owners = {*color.owners}, {*material.owners}
-    same = not all(owners) or not owners[0].isdisjoint(owners[1])
-    return color.color is not None and not color.negated and color.region == material.region and same

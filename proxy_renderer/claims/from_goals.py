@@ -19,34 +19,12 @@ from .claim import Claim
 from .colors import as_accent, of_color, of_material
 
 _OF_MOODS = 0.5  # weight of the claims that a mood implies
-_OPPOSED = 0.5  # an image cannot have both of two tints if the cosine of their hues is below minus this
-_LIT = 44.0  # L* of an image in colored light that is enough
-_LIT_SHARE = 0.7  # share of the color's own lightness that is enough, too
-
-# Limits for every image
-_BURNT, _SUBJECT_DROWNED, _DROWNED = 0.06, 0.3, 0.12
-"""Largest overexposed share of the image or of the subject, and largest shares of subject and image that drown in black."""
-_CLIPPED = 0.005  # largest share of pixels with a clipped channel: a clipped color shows no shading
-_VIVID = 82.0  # colorfulness that people call high, Hasler and Süsstrunk 2003
-_FULL = 0.97  # largest channel of a named color above which channels may be clipped
-_WHITE, _BRIGHT = 90.0, 60.0  # L* of a named color, and of a claim, above which parts may be overexposed
-_BLACK, _DARK = 22.0, 50.0  # L* of a named color, and of a claim, below which parts may drown in black
-_APART = 10.0  # least Lab distance between the subject and the ring around it
-_SHAPED = 14.0  # least L* between a subject's darkest and lightest tenth: shading shows its shape
-_FLAT = 8.0  # the same if words ask for a dark or flat image
-_DIM = 22.0  # median L* of a reference image below which the subject may drown in black
-_SHOWN = ("burnt", "drowned", "separation")  # measures that a reference image of the same scene decides
-_DIMMEST = 24.0  # least L* of the lightest parts of a subject: even at night its highlights are visible
+_BURNT = 0.06  # largest overexposed share of the image or of the subject
 
 _TINTS = ("tint", "accent")
 
-# Claims of a further sentence: the rest of the image stays as it is
-_REST = "rest of the image"
-_PLACES = (6, 4)  # columns and rows of the grid of places, each of which stays as it is
-_STILL = (1.0, 0.4, 0.4)  # OKLab, times 100, by which the mean color of a place may change
-_EXACT = (0.5, 0.2, 0.2)  # the same where the prompt says that it stays
-_HELD = 0.3  # weight of the claim for a place
-_COLORED = ("light_color", "cast", "saturation", "color")  # quantities that change color, but not lightness
+# OKLab, times 100, by which after a further sentence the mean color may change: of a place, and of what the prompt protects
+_STILL, _EXACT = (1.0, 0.4, 0.4), (0.5, 0.2, 0.2)
 
 
 def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
@@ -62,14 +40,20 @@ def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
         for claim in row:
             if all(_narrows(claim, wish.usual > 0, first) for first in claims):
                 claims.append(claim)
-    claims += _least_lightness(colors, claims)
+    # Less exposure would drown other colors in colored light: without a claim about lightness, that of its color limits it.
+    tints = [c.color for c in colors if (c.part, c.measure) == ("picture", "tint") and c.color]
+    if tints and not any((c.part, c.measure) == ("picture", "lightness") for c in claims):
+        least = min(0.7 * min(lab_from_srgb(color)[0] for color in tints), 44.0)
+        claims.append(Claim.unsaid("picture", "lightness", lower=least))
 
     # Claims about the color of light are measured where words give no color to objects.
     colored = [c for c in claims if c.measure == "color"]
     colored += [c for wish, row in rows for c in row if _is_painted(c, wish.attribute)]
     shown = []
     for claim in claims:
-        claim = _without_colored(claim, colored) if _is_light(claim) else claim
+        if claim.part == "picture" and claim.measure in (*_TINTS, "warmth", "off_hue"):
+            others = (c for c in colored if c.measure == "color" or c.part == "sky" or c.word != claim.word)
+            claim = replace(claim, apart=tuple(dict.fromkeys((c.part, c.materials) for c in others)))
         if (claim.part, claim.measure) == ("picture", "chroma") and claim.lower[0] > 0.0:
             # "Vivid" is about objects: the world behind them may be gray, for it also lights them.
             claim = replace(claim, apart=(("sky", ()),))
@@ -82,21 +66,18 @@ def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
         every = [*_held(goals, [*claims, *rig])]
     else:
         every = [claim for claim in _of_every_image(goals, claims) if not _is_told(claim, pictured)]
-    return (*light_claims(_shared(rig), claims), *shown, *every, *pictured)
-
-
-def _shared(rig: Sequence[Claim]) -> list[Claim]:
-    """A rig's claims, each once: the first word that asks for it has the claim, and other words are in its `also`."""
-    words: dict[tuple[object, ...], dict[str, Claim]] = {}
-    for claim in rig:
-        words.setdefault((claim.measure, claim.color), {}).setdefault(claim.word, claim)
-    return [replace(next(iter(each.values())), also=tuple(each)[1:]) for each in words.values()]
+    return (*light_claims(rig, claims), *shown, *every, *pictured)
 
 
 def light_claims(light: Sequence[Claim], claims: Sequence[Claim]) -> Iterator[Claim]:
-    """A rig's claims. If words color the subject, the light's warmth is measured around it, and `standing_out` is not claimed."""
+    """A rig's claims, each once: the first word that asks for it has the claim, and other words are in its `also`."""
+    # If words color the subject, the light's warmth is measured around it, and `standing_out` is not claimed.
     painted = any(c.part == "subject" and c.measure in ("color", "tint") for c in claims)
+    words: dict[tuple[object, ...], dict[str, Claim]] = {}
     for claim in light:
+        words.setdefault((claim.measure, claim.color), {}).setdefault(claim.word, claim)
+    for same in words.values():
+        claim = replace(next(iter(same.values())), also=tuple(same)[1:])
         if painted and claim.measure == "highlight_warmth":
             claim = replace(claim, thing="picture", part="picture", apart=(("subject", ()),))
         if not (painted and claim.measure == "standing_out"):
@@ -140,14 +121,15 @@ def _of_text(text: ClaimText, wish: Wish) -> Claim:
 
 
 def _with_accents(rows: list[tuple[Wish, list[Claim]]]) -> list[tuple[Wish, list[Claim]]]:
-    """The rows (wish, its claims), in which some tints of the whole image become accents, see `as_accent`.
-
-    They are tints of opposite hues, which one image cannot have all over, and tints of several lights.
-    """
+    """The rows (wish, its claims), in which some tints of the whole image become accents, see `as_accent`."""
+    # Tints of opposite hues, which one image cannot have all over, and tints of several lights
     colored = [(wish.attribute, c) for wish, row in rows if wish.attribute.color for c in row]
     tints = [(a, c) for a, c in colored if (c.part, c.measure) == ("picture", "tint")]
     lights = [wish.attribute for wish, _ in rows if wish.quantity == "light_color"]
-    opposed = [c for _, c in tints if any(_cosine(c, other) < -_OPPOSED for _, other in tints)]
+    cosines = [
+        (c, sum(a * b for a, b in zip(c.direction, d.direction, strict=True))) for _, c in tints for _, d in tints
+    ]
+    opposed = [c for c, cosine in cosines if cosine < -0.5]
     opposed += [c for a, c in tints if any(a.is_of_another_light(light) for light in lights)]
     words, found = {c.word for c in opposed}, []
     for wish, row in rows:
@@ -156,20 +138,14 @@ def _with_accents(rows: list[tuple[Wish, list[Claim]]]) -> list[tuple[Wish, list
     return found
 
 
-def _cosine(first: Claim, second: Claim) -> float:
-    return sum(a * b for a, b in zip(first.direction, second.direction, strict=True))
-
-
 def _narrows(claim: Claim, usual: bool, first: Claim) -> bool:
-    """True if a claim adds anything to the claim `first` of higher rank.
-
-    A claim about the same measure and part does if both intervals overlap and it excludes a part of the first: an old detective
-    movie is as gray as the movie. If several words color one part, the first counts. A usual claim adds nothing.
-    """
+    """True if a claim adds anything to the claim `first` of higher rank."""
     if _measured(claim) != _measured(first):
         return True
+    # If several words color one part, the first counts.
     if first.color or claim.word == first.word or usual:
         return False
+    # It has to exclude a part of the first: an old detective movie is as gray as the movie.
     low, high = max(claim.lower[0], first.lower[0]), min(claim.upper[0], first.upper[0])
     return low <= high and (low, high) != (first.lower[0], first.upper[0])
 
@@ -179,21 +155,6 @@ def _measured(claim: Claim) -> tuple[object, ...]:
     return claim.measure, claim.part, claim.materials, () if claim.measure == "color" else claim.direction
 
 
-def _least_lightness(colors: Sequence[Claim], claims: Sequence[Claim]) -> list[Claim]:
-    """The claim for the least lightness in colored light, if no word claims lightness: less exposure would drown other colors."""
-    tints = [c.color for c in colors if (c.part, c.measure) == ("picture", "tint") and c.color]
-    if not tints or any(map(_is_brightness, claims)):
-        return []
-    least = min(_LIT_SHARE * min(lab_from_srgb(color)[0] for color in tints), _LIT)
-    return [Claim.unsaid("picture", "lightness", lower=least)]
-
-
-def _without_colored(claim: Claim, colored: Sequence[Claim]) -> Claim:
-    """A claim about the color of light, measured only on parts to which other words give no color."""
-    others = (c for c in colored if c.measure == "color" or c.part == "sky" or c.word != claim.word)
-    return replace(claim, apart=tuple(dict.fromkeys((c.part, c.materials) for c in others)))
-
-
 def _is_painted(claim: Claim, attribute: Attribute) -> bool:
     """True for the color of a place or a sky, not of the light there: sand is yellow at noon, and a sunset's sky orange."""
     if claim.part == "sky":
@@ -201,25 +162,13 @@ def _is_painted(claim: Claim, attribute: Attribute) -> bool:
     return attribute.slot == "setting" and claim.part == "surroundings" and claim.measure in _TINTS
 
 
-def _is_light(claim: Claim) -> bool:
-    """True for claims about the color of light, which objects that have a color of their own hide."""
-    return claim.part == "picture" and claim.measure in (*_TINTS, "warmth", "off_hue")
-
-
-def _is_brightness(claim: Claim) -> bool:
-    return claim.part == "picture" and claim.measure == "lightness"
-
-
 def _is_told(claim: Claim, pictured: Sequence[Claim]) -> bool:
-    """True if a reference image replaces a claim of every image.
-
-    One of the same scene replaces all claims in `_SHOWN`. Any other replaces how much may drown in black; for the subject only if
-    the reference image itself is dim.
-    """
+    """True if a reference image replaces a claim of every image; one of the same scene decides exposure and separation."""
+    if any(each.measure == "mean" for each in pictured) and claim.measure in ("burnt", "drowned", "separation"):
+        return True
+    # Any other decides how much may drown in black; of the subject only if the reference image itself is dim.
     medians = [each.lower[0] for each in pictured if each.measure == "median"]
-    same = any(each.measure == "mean" for each in pictured)
-    drowned = medians and (claim.part == "picture" or min(medians) < _DIM)
-    return bool((same and claim.measure in _SHOWN) or (claim.measure == "drowned" and drowned))
+    return claim.measure == "drowned" and bool(medians) and (claim.part == "picture" or min(medians) < 22.0)
 
 
 def _held(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
@@ -242,7 +191,7 @@ def _held(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
         return  # new light and air change the whole image
     if any(not e.family.startswith("material/") for w in acting for e in w.effects):
         return  # an effect that no measure covers may change any place
-    light, color = "brightness" in whole, not whole.isdisjoint(_COLORED)
+    light, color = "brightness" in whole, not whole.isdisjoint(("light_color", "cast", "saturation", "color"))
     if whole and not (light or color):  # about how light falls: places may change, but not the mean lightness
         yield _still("picture", (_EXACT[0], math.inf, math.inf))
         light = True
@@ -253,47 +202,42 @@ def _held(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
     width = _STILL[1:] if light else (_STILL[0], math.inf, math.inf) if color else _STILL
     apart = [(c.part, c.materials) for c in claims if c.part != "picture" or c.materials]
     apart += [("picture", w.attribute.owners) for w in acting if w.attribute.owners]
-    place = {"weight": _HELD, "apart": tuple(dict.fromkeys(apart))}
-    across, down = _PLACES
-    for x, y in product(range(across), range(down)):
-        box = x / across, y / down, (x + 1) / across, (y + 1) / down
-        yield _still("picture", width, measure, box=box, **place)
+    place = {"weight": 0.3, "apart": tuple(dict.fromkeys(apart))}
+    for x, y in product(range(6), range(4)):
+        yield _still("picture", width, measure, box=(x / 6, y / 4, (x + 1) / 6, (y + 1) / 4), **place)
 
 
 def _still(part: Part, width: Values, measure: str = "mean", **where: Any) -> Claim:
     """A claim without words: the mean color of a region changes by at most `width` in each component, OKLab times 100."""
-    lower = tuple(-v for v in width)
-    return Claim("", _REST, measure, part, lower, width, by=True, **where)
+    return Claim("", "rest of the image", measure, part, tuple(-v for v in width), width, by=True, **where)
 
 
 def _of_every_image(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
-    """The claims of every image: the subject is visible, and nothing is overexposed, clipped, gaudy or drowned in black.
-
-    Each is also satisfied by an image that is no worse than the artist's.
-    """
+    """The claims of every image: the subject is visible, and nothing is overexposed, clipped, gaudy or drowned in black."""
     dark = goals.classes.get("brightness") == "dark"
     lightness = [lab_from_srgb(c.color)[0] for c in claims if c.color]
-    yield Claim.unsaid("subject", "separation", lower=_APART)
+    yield Claim.unsaid("subject", "separation", lower=10.0)
     yield Claim.unsaid("subject", "burnt", upper=_BURNT)
     if not any(a.entry == "silhouette" and not a.negated for a in goals.parsed.attributes):
-        yield Claim.unsaid("subject", "white_point", lower=_DIMMEST)
+        yield Claim.unsaid("subject", "white_point", lower=24.0)  # even at night its highlights are visible
         if goals.classes.get("haze") != "thick":  # thick fog takes the contrast of what is in it
             flat = dark or goals.classes.get("contrast") == "low"
-            yield Claim.unsaid("subject", "spread", lower=_FLAT if flat else _SHAPED)
+            yield Claim.unsaid("subject", "spread", lower=8.0 if flat else 14.0)  # shading shows its shape
         if not dark:
-            yield Claim.unsaid("subject", "drowned", upper=_SUBJECT_DROWNED)
+            yield Claim.unsaid("subject", "drowned", upper=0.3)
 
     # Words for white or a bright image allow overexposed parts; those for black or a dark image allow black ones.
-    bright = any(_is_brightness(c) and c.lower[0] > _BRIGHT for c in claims)
-    if not bright and not any(light > _WHITE for light in lightness):
+    bright = any((c.part, c.measure) == ("picture", "lightness") and c.lower[0] > 60.0 for c in claims)
+    if not bright and max(lightness, default=0.0) <= 90.0:
         yield Claim.unsaid("picture", "burnt", upper=_BURNT)
         glowing = any(wish.quantity == "glow" for wish in goals.wishes)
-        full = any(max(c.color) > _FULL for c in claims if c.color and c.measure == "color")
+        full = any(max(c.color) > 0.97 for c in claims if c.color and c.measure == "color")
         if not glowing and not full:
-            yield Claim.unsaid("picture", "clipped", upper=_CLIPPED)
+            yield Claim.unsaid("picture", "clipped", upper=0.005)  # a clipped color shows no shading
     if goals.classes.get("saturation") != "vivid":
-        yield Claim.unsaid("picture", "colorfulness", upper=_VIVID)
-    dark |= any(c.measure in ("lightness", "black_point") and c.upper[0] < _DARK for c in claims)
+        # What people call high, Hasler and Süsstrunk 2003
+        yield Claim.unsaid("picture", "colorfulness", upper=82.0)
+    dark |= any(c.measure in ("lightness", "black_point") and c.upper[0] < 50.0 for c in claims)
     dark |= any(c.measure == "silhouette" for c in claims)
-    if not dark and not any(light < _BLACK for light in lightness):
-        yield Claim.unsaid("picture", "drowned", upper=_DROWNED)
+    if not dark and min(lightness, default=100.0) >= 22.0:
+        yield Claim.unsaid("picture", "drowned", upper=0.12)

@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 
 from ..color.constants import Lab
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
@@ -21,18 +22,9 @@ from ..words.parser import Understood
 from ..words.types import Attribute, Parsed
 from .wish import PAINTED, Wish, wishes_of
 
-_DARK, _LIGHT = 38.0, 72.0  # L* of surroundings below which no image is bright, and above which none is dark
 _COLORED, _VIVID, _GRAY = 12.0, 35.0, 8.0
 """C* from which light counts as colored, from which a color is vivid, and below which a color is gray."""
-_WARMTH = (
-    0.3  # warmth (cosine with warm light) from which vivid surroundings rule out cool light; below -0.3 warm light
-)
-_OPPOSED = 0.5  # an image cannot have both of two tints if the cosine of their hues is below minus this
-_WHITE_LIGHT = (5500.0, 7500.0)  # kelvins between which light is neither warm nor cool
-_AIR = ("light", "fog", "tone", "ambience", "sky")  # their color is on everything in the image
-_FIXED = ("warmth", "tint", "accent", "chroma")  # measures that a color word for the surroundings fixes
 _ALL_LIGHT = ("light", "tone", "ambience")  # kinds of targets whose color is that of the light as a whole
-_ANOTHER_HUE = 40.0  # degrees between hues of a named color and of a material that exclude each other
 CASTS = ("shadow_cast", "midtone_cast", "highlight_cast", "cast")  # measures of the color of light
 _SETTLED = {
     **dict.fromkeys(("tint", "accent", "off_hue", "brown_distance"), CASTS),
@@ -40,7 +32,6 @@ _SETTLED = {
     "burnt": ("white_point",),
 }
 """Measure of a word -> measures of the same part that it decides too: claims of a reference image about them are dropped."""
-_NONE = "none"  # the class of an image that has nothing of a quantity
 _MATTER = ("color", "finish", "substance", "glow")
 
 
@@ -62,17 +53,23 @@ def contradicts(first: Wish, later: Wish) -> bool:
         return True
     if first.quantity != later.quantity:
         return False
-    if _is_gray(first) and any(c.measure == "chroma" and c.lower[0] > 0.0 for c in later.claims):
+    own = a.color or _own_color(first, weak=True)
+    is_gray = own is not None and chroma(lab_from_srgb(own)) < _COLORED
+    if is_gray and any(c.measure == "chroma" and c.lower[0] > 0.0 for c in later.claims):
         return True
     if b.kind == "ambience" and b.color and not a.color:
         return _opposed(first, lab_from_srgb(b.color))
     if a.color and b.color:
         return first.quantity != "light_color" or later.implied
-    if first.named != later.named and _NONE in (first.named, later.named) and first.named and later.named:
+    classes, differ = first.about.classes, first.named and later.named and first.named != later.named
+    if differ and "none" in (first.named, later.named):
         return True  # "no fog" contradicts "a little fog", though the intervals of their claims overlap
     if _overlapping(first.claims, later.claims):
         return False  # one image can satisfy both; for parameters that both need, the rank decides
-    if _other_class(first, later) or _disjoint_effects(first, later):
+    # Basic colors are compared by their claims alone.
+    if differ and first.quantity not in PAINTED and not _overlapping(classes[first.named], classes[later.named]):
+        return True
+    if _disjoint_effects(first, later):
         return True
     if first.quantity == "light_color":  # warm against cool, or a named color against a temperature
         gels = [any(e.name == "color" and e.color for e in wish.effects) for wish in (first, later)]
@@ -84,7 +81,19 @@ def contradicts(first: Wish, later: Wish) -> bool:
 
 def _settles(word: Wish, picture: Wish) -> bool:
     """True if a word is about a measure that the wish of a reference image claims: then only the word counts."""
-    measured = set(_measured(word))
+    measured = [(str(word.part_of(claim)), claim.measure) for claim in word.claims]
+    attribute = word.attribute
+    color = attribute.color or _own_color(word, weak=True)
+    # A named color decides a color, a cast or a tint.
+    if attribute.color and word.quantity in PAINTED and attribute.kind != "glow":
+        measured.append((attribute.part, "color"))
+    elif attribute.color and attribute.kind in ("shadow", "highlight"):
+        measured.append(("picture", f"{attribute.kind}_cast"))
+    elif color and chroma(lab_from_srgb(color)) >= _COLORED:
+        all_over = attribute.color and attribute.kind != "fog"
+        measured.append(("picture" if all_over else attribute.part, "tint"))
+    elif color and not attribute.color:  # a gray material
+        measured.append((attribute.part, "lightness"))
     return any(
         part in ("picture", picture.part_of(claim))
         and (measure == claim.measure or claim.measure in _SETTLED.get(measure, ()))
@@ -92,21 +101,6 @@ def _settles(word: Wish, picture: Wish) -> bool:
         if claim.weight
         for part, measure in measured
     )
-
-
-def _measured(wish: Wish) -> Iterator[tuple[str, str]]:
-    """(part of the image, measure) pairs that a word's wish decides; a named color decides a color, a cast or a tint."""
-    yield from ((wish.part_of(claim), claim.measure) for claim in wish.claims)
-    attribute = wish.attribute
-    color = attribute.color or _own_color(wish, weak=True)
-    if attribute.color and wish.quantity in PAINTED and attribute.kind != "glow":
-        yield attribute.part, "color"
-    elif attribute.color and attribute.kind in ("shadow", "highlight"):
-        yield "picture", f"{attribute.kind}_cast"
-    elif color and chroma(lab_from_srgb(color)) >= _COLORED:
-        yield "picture" if attribute.color and attribute.kind != "fog" else attribute.part, "tint"
-    elif color and not attribute.color:  # a gray material
-        yield attribute.part, "lightness"
 
 
 def _same_target(first: Wish, later: Wish) -> bool:
@@ -119,14 +113,6 @@ def _same_target(first: Wish, later: Wish) -> bool:
     if a.color and b.color:
         return a.kind == b.kind and bool(a.owners) == bool(b.owners)
     return a.region == b.region if first.quantity in _MATTER or later.quantity in _MATTER else True
-
-
-def _other_class(first: Wish, later: Wish) -> bool:
-    """True if two wishes name classes that no image can have together; False for basic colors, which claims compare."""
-    if not (first.named and later.named) or first.named == later.named or first.quantity in PAINTED:
-        return False
-    classes = first.about.classes
-    return not _overlapping(classes[first.named], classes[later.named])
 
 
 def _overlapping(some: Sequence[ClaimText], others: Sequence[ClaimText]) -> bool:
@@ -144,10 +130,8 @@ def _axis(claim: ClaimText) -> tuple[object, ...]:
 
 
 def _disjoint_claims(first: Wish, later: Wish) -> bool:
-    """True if two wishes claim disjoint intervals of one measure of one part.
-
-    A claim of the first wish about the whole image also counts against an implied or usual claim about the surroundings.
-    """
+    """True if two wishes claim disjoint intervals of one measure of one part."""
+    # A claim of the first about the whole image also counts against an implied or usual claim about the surroundings.
     yields = later.implied or later.usual > 0
     return any(
         _apart(a, b)
@@ -160,20 +144,15 @@ def _disjoint_claims(first: Wish, later: Wish) -> bool:
 
 def _disjoint_effects(first: Wish, later: Wish) -> bool:
     """True if two wishes have disjoint ranges for one parameter; weak effects do not count."""
-    for a in first.effects:
-        for b in later.effects:
-            same = (a.owner, a.name, a.mode) == (b.owner, b.name, b.mode) and not (a.weak or b.weak)
-            if same and a.lower and b.lower:
-                ends = zip(*_ends(a, b), *_ends(b, a), strict=True)
-                if any(max(x, y) > min(v, w) for x, v, y, w in ends):
-                    return True
+    for a, b in product(first.effects, later.effects):
+        same = (a.owner, a.name, a.mode) == (b.owner, b.name, b.mode) and not (a.weak or b.weak)
+        if same and a.lower and b.lower:
+            ends = (a.lower, a.upper, b.lower, b.upper)
+            most = max(map(len, ends))  # one number stands for all three of a color
+            every = zip(*(end * (most // len(end)) for end in ends), strict=True)
+            if any(max(x, y) > min(v, w) for x, v, y, w in every):
+                return True
     return False
-
-
-def _ends(effect: Effect, other: Effect) -> tuple[Values, Values]:
-    """The ends of an effect's range with as many components as the other's: one number stands for all three of a color."""
-    times = max(len(other.lower) // len(effect.lower), 1)
-    return effect.lower * times, effect.upper * times
 
 
 def _warmth(wish: Wish) -> int:
@@ -185,36 +164,37 @@ def _warmth(wish: Wish) -> int:
 
 def _ruled_out(color: Wish, wish: Wish) -> bool:
     """True if a named color rules out another wish: in front of a purple background a forest is not green."""
-    lab = lab_from_srgb(color.attribute.color or ())
-    if (wish.implied or wish.usual) and (wish.quantity, wish.toward) in set(_impossible(color, lab)):
+    kind = color.attribute.kind
+    if (wish.implied or wish.usual) and _impossible(color, wish.quantity, wish.toward):
         return True
     if wish.attribute.color:
-        return wish.implied and color.attribute.kind == wish.attribute.kind
-    if wish.quantity == "light_color" and color.attribute.kind in _ALL_LIGHT:
-        return not (color.attribute.of_one_light or wish.attribute.of_one_light) and _opposed(wish, lab)
+        return wish.implied and kind == wish.attribute.kind
+    if wish.quantity == "light_color" and kind in _ALL_LIGHT:
+        one_light = color.attribute.of_one_light or wish.attribute.of_one_light
+        return not one_light and _opposed(wish, lab_from_srgb(color.attribute.color or ()))
     # The wish is the color that a place or a sky usually has.
-    kind = color.attribute.kind
     seen = wish.quantity == "surroundings_color" and kind in ("surroundings", "sky")
-    fixed = any(c.measure in _FIXED and c.part == kind for c in wish.claims)
+    fixed = any(c.measure in ("warmth", "tint", "accent", "chroma") and c.part == kind for c in wish.claims)
     return seen and fixed and not color.attribute.owners
 
 
-def _impossible(color: Wish, lab: Lab) -> Iterator[tuple[str, str]]:
-    """(quantity, class) pairs that an image cannot have if a target has this named color."""
-    light, a, b = lab
+def _impossible(color: Wish, quantity: str, named: str) -> bool:
+    """True if an image cannot have a class of a quantity where a target has this named color."""
+    light, a, b = lab = lab_from_srgb(color.attribute.color or ())
     attribute, strong = color.attribute, chroma(lab)
     around = attribute.kind == "surroundings" and not attribute.owners
-    tinted = attribute.kind in _AIR and strong > _COLORED
+    # The color of light and air is on everything in the image.
+    tinted = attribute.kind in (*_ALL_LIGHT, "fog", "sky") and strong > _COLORED
     warmth = warm(a, b) if around and strong > _VIVID else 0.0
-    rules = (
-        (around and light < _DARK, "brightness", "bright"),
-        (around and light > _LIGHT, "brightness", "dark"),
-        (around and strong < _GRAY, "saturation", "vivid"),
-        (strong > _VIVID, "saturation", "muted"),
-        (tinted or warmth < -_WARMTH, "light_color", "warm"),
-        (tinted or warmth > _WARMTH, "light_color", "cool"),
-    )
-    return ((quantity, named) for holds, quantity, named in rules if holds)
+    rules = {  # by L*, C* and warmth, the cosine with warm light
+        ("brightness", "bright"): around and light < 38.0,
+        ("brightness", "dark"): around and light > 72.0,
+        ("saturation", "vivid"): around and strong < _GRAY,
+        ("saturation", "muted"): strong > _VIVID,
+        ("light_color", "warm"): tinted or warmth < -0.3,
+        ("light_color", "cool"): tinted or warmth > 0.3,
+    }
+    return rules.get((quantity, named), False)
 
 
 def _opposed(wish: Wish, lab: Lab) -> bool:
@@ -229,7 +209,7 @@ def _opposed(wish: Wish, lab: Lab) -> bool:
             ways.append((a * lab[1] + b * lab[2]) / (math.hypot(a, b) * strong))
         else:
             ways.append(warmth_asked(claim.measure, claim.lower[0], claim.upper[0]) * warmth)
-    return min(ways, default=0.0) < -_OPPOSED
+    return min(ways, default=0.0) < -0.5  # at less, one image can have both hues
 
 
 def _kelvins(effect: Effect) -> int:
@@ -237,7 +217,7 @@ def _kelvins(effect: Effect) -> int:
     if effect.name != "temperature" or effect.mode:
         return 0
     middle = (effect.lower[0] + effect.upper[0]) / 2
-    return 1 if middle < _WHITE_LIGHT[0] else -1 if middle > _WHITE_LIGHT[1] else 0
+    return 1 if middle < 5500.0 else -1 if middle > 7500.0 else 0  # white light between these
 
 
 def _is_tinted(wish: Wish) -> bool:
@@ -252,7 +232,7 @@ def _is_recolored(color: Wish, material: Wish) -> bool:
     if not color.attribute.color or color.quantity not in PAINTED or material.quantity != "color":
         return False
     own = _own_color(material, weak=color.attribute.thing == material.attribute.thing)
-    return own is not None and hue_apart(color.attribute.color, own) > _ANOTHER_HUE
+    return own is not None and hue_apart(color.attribute.color, own) > 40.0  # degrees
 
 
 def _own_color(wish: Wish, weak: bool) -> Values | None:
@@ -261,12 +241,6 @@ def _own_color(wish: Wish, weak: bool) -> Values | None:
         if e.family == "material/tint" and e.color[:1] == "#" and (weak or not e.weak):
             return srgb_from_hex(e.color)
     return None
-
-
-def _is_gray(wish: Wish) -> bool:
-    """True if the color of a wish is gray: its named color, or that of a material such as asphalt."""
-    color = wish.attribute.color or _own_color(wish, weak=True)
-    return color is not None and chroma(lab_from_srgb(color)) < _COLORED
 
 
 @dataclass(frozen=True)
@@ -279,8 +253,7 @@ class Lost:
     @property
     def is_news(self) -> bool:
         """True if it is worth a note to the artist: the prompt says both, and neither is implied, usual or of a reference image."""
-        unsaid = (w.implied or w.usual or w.of_picture for w in (self.wish, self.winner))
-        return not any(unsaid)
+        return not any(w.implied or w.usual or w.of_picture for w in (self.wish, self.winner))
 
     def __str__(self) -> str:
         return f"'{self.wish.word}' gives way to '{self.winner.word}': they contradict each other on {self.wish.about.says}."
@@ -318,8 +291,7 @@ class Goals:
         named = [wish.attribute for wish in self.wishes if wish.named]
         sought = [wish.attribute for wish in self.wishes]
         lost = (each.wish for each in self.lost)
-        out = (w.attribute for w in lost if w.attribute not in (named if w.named else sought))
-        return tuple(dict.fromkeys(out))
+        return tuple(dict.fromkeys(w.attribute for w in lost if w.attribute not in (named if w.named else sought)))
 
     def notes(self) -> Iterator[str]:
         """Sentences about the words that other words override."""
@@ -333,52 +305,41 @@ def goals_or_why(understood: Understood) -> Goals | VibeError:
 
 def goals_of(parsed: Parsed, vocabulary: Vocabulary | None = None) -> Goals:
     """The goals of a prompt, its contradictions resolved."""
-    wishes = wishes_of(parsed.attributes, vocabulary or default_vocabulary())
-    return resolved(parsed, wishes)
+    return resolved(parsed, wishes_of(parsed.attributes, vocabulary or default_vocabulary()))
 
 
 def resolved(parsed: Parsed, wishes: Sequence[Wish]) -> Goals:
-    """Goals of wishes: in order of rank, each wish is kept unless it contradicts one that is kept already.
+    """Goals of wishes: in order of rank, each wish is kept unless it contradicts one that is kept already."""
+    # Ids of the words that have lost all visible wishes and drop the others, too; wishes that these had overridden can then win
+    idle: set[int] = set()
+    ranked = sorted(wishes, key=lambda each: each.rank)  # equal ranks stay in the order of the prompt
+    kept, lost = list[Wish](), list[Lost]()
 
-    A word whose visible wishes all lose also drops its other wishes. Wishes that these had overridden can then win.
-    """
-    idle: set[int] = set()  # ids of the words that have lost all visible wishes
+    def compete(wish: Wish, winner: Wish | None = None) -> None:
+        """Keeps a wish, unless there is a winner already or among the wishes that are kept."""
+        pairs = ((each, sorted((each, wish), key=lambda w: w.rank)) for each in kept)
+        winner = winner or next((each for each, pair in pairs if contradicts(*pair)), None)
+        if winner is None:
+            kept.append(wish)
+        else:
+            lost.append(Lost(wish, winner))
+
     while True:
-        kept, lost = _by_rank([wish for wish in wishes if wish.is_seen or id(wish.attribute) not in idle])
-        unseen = _unseen(kept, lost)
+        kept, lost = [], []
+        for wish in ranked:
+            if wish.is_seen or id(wish.attribute) not in idle:
+                compete(wish)
+        # Words whose visible wishes are all overridden -> the first winner. Words for surfaces are never among them.
+        seen = (each for each in reversed(lost) if each.wish.is_seen and each.wish.attribute.slot not in SURFACES)
+        unseen = {id(each.wish.attribute): each.winner for each in seen}
+        for wish in kept:
+            if wish.is_seen:
+                unseen.pop(id(wish.attribute), None)
         if unseen.keys() <= idle:
             break
         idle |= unseen.keys()
-    for wish in sorted(wishes, key=lambda each: each.rank):
-        if wish.is_seen or id(wish.attribute) not in idle:
-            continue
-        pairs = ((each, sorted((each, wish), key=lambda w: w.rank)) for each in kept)
-        opponent = next((each for each, pair in pairs if contradicts(*pair)), None)
-        winner = unseen.get(id(wish.attribute)) or opponent
-        if winner is None:
-            kept.append(wish)
-        else:
-            lost.append(Lost(wish, winner))
+    for wish in ranked:
+        if not wish.is_seen and id(wish.attribute) in idle:
+            compete(wish, unseen.get(id(wish.attribute)))
     sought = {id(wish) for wish in kept}
     return Goals(parsed, tuple(wish for wish in wishes if id(wish) in sought), tuple(lost))
-
-
-def _by_rank(wishes: Sequence[Wish]) -> tuple[list[Wish], list[Lost]]:
-    """The wishes that are kept, and the wishes that contradict a kept one, which ranks before them."""
-    kept: list[Wish] = []
-    lost: list[Lost] = []
-    for wish in sorted(wishes, key=lambda each: each.rank):  # equal ranks stay in the order of the prompt
-        winner = next((first for first in kept if contradicts(first, wish)), None)
-        if winner is None:
-            kept.append(wish)
-        else:
-            lost.append(Lost(wish, winner))
-    return kept, lost
-
-
-def _unseen(kept: Sequence[Wish], lost: Sequence[Lost]) -> dict[int, Wish]:
-    """Ids of words whose visible wishes are all overridden -> the first winner. Words for surfaces are never among them."""
-    main = (each for each in reversed(lost) if each.wish.is_seen and each.wish.attribute.slot not in SURFACES)
-    winners = {id(each.wish.attribute): each.winner for each in main}
-    sought = {id(wish.attribute) for wish in kept if wish.is_seen}
-    return {word: winner for word, winner in winners.items() if word not in sought}

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A wish: the request of one word about one quantity. Parameter ranges and claims about the image are computed from it."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import cast
@@ -14,16 +14,10 @@ from ..words.lexicon.quantities import ClaimText, Quantity, quantities
 from ..words.lexicon.vocabulary import Vocabulary
 from ..words.types import Attribute, Part
 
-_OWN: Mapping[str, tuple[str, ...]] = {
-    "material": ("color", "substance", "glow"),
-    "atmosphere": ("haze", "haze_color"),
-    "setting": (),
-}
+_OWN = {"material": ("color", "substance", "glow"), "atmosphere": ("haze", "haze_color"), "setting": ()}
 """Slot -> the quantities that its words are about. For all other quantities they say what is usual, which other words override:
 a rainy day is gray, but not if the prompt calls it golden; gold is shiny, but not if the prompt calls it matte."""
 PAINTED = ("color", "surroundings_color")  # quantities whose classes are basic colors
-_CHANGES = ("times", "plus", "near", "shade")  # modes of effects that change the present value
-_MAIN = 1  # priority of what a word is mainly about
 
 
 @dataclass(frozen=True)
@@ -87,7 +81,7 @@ class Wish:
         if slot not in _OWN or self.quantity in _OWN[slot]:
             return 0
         if slot == "setting":  # "a dark background" is mainly about darkness; a desert is only usually bright
-            return 0 if any(e.priority == _MAIN for e in self.effects) else 2
+            return 0 if any(e.priority == 1 for e in self.effects) else 2
         return 1
 
     @cached_property
@@ -102,9 +96,8 @@ class Wish:
         default = not self.is_seen and all(e.weak for e in self.effects)
         general = not self.attribute.of_one_light
         painted = bool(self.attribute.color) and self.quantity != "light_color"
-        changing = bool(self.effects) and all(e.mode in _CHANGES for e in self.effects)
-        changes = self.quantity == "color" and changing
-        paint = 0 if painted else 2 if changes else 1
+        changing = bool(self.effects) and all(e.mode in ("times", "plus", "near", "shade") for e in self.effects)
+        paint = 0 if painted else 2 if changing and self.quantity == "color" else 1
         main = min((e.priority for e in self.effects if not e.weak), default=4)
         said = self.of_picture, default, self.usual, self.implied
         return *said, general, paint, self.vague, self.breadth, main
@@ -116,15 +109,11 @@ def breadth_of(wishes: Iterable[Wish]) -> int:
 
 
 _SOFT = 0.8  # strength below which a word is said softly
-_NOT = 0.6  # strength of the opposite that a negated word asks for: "not glossy" is a mild "matte"
 _OF_COLORS = {
     "surroundings": "surroundings_color", "sky": "surroundings_color", "fog": "haze_color", "subject": "color",
     "glow": "color",
 }  # fmt: skip
 """Kind of target -> the quantity that a color word for it is about; for all other kinds "light_color"."""
-_OF_LIGHT = ("direction", "hardness", "light_color")  # quantities whose classes describe the key or all light
-_OF_MATTER = ("color", "finish", "substance")  # quantities whose classes describe surfaces of the subject
-_NO_MATTER = ("light", "fog", "tone", "shadow")  # kinds of targets that are no surfaces
 
 
 def wishes_of(attributes: Iterable[Attribute], vocabulary: Vocabulary) -> list[Wish]:
@@ -137,19 +126,17 @@ def _of_word(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Wish]:
         if not attribute.negated:
             quantity = _OF_COLORS.get(attribute.kind, "light_color")
             effects = _allowed(vocabulary.painted.get(attribute.kind, ()), attribute)
-            anything = attribute.kind == "ambience"  # a color word without a target
-            if anything and is_dark(attribute):
-                return
-            named = color_class(attribute) if quantity in PAINTED else ""
-            strength = attribute.strength
-            yield Wish(attribute, quantity, named, effects=effects, strength=strength, vague=anything)
+            vague = attribute.kind == "ambience"  # a color word without a target
+            if not (vague and is_dark(attribute)):
+                named = color_class(attribute) if quantity in PAINTED else ""
+                yield Wish(attribute, quantity, named, effects=effects, strength=attribute.strength, vague=vague)
         return
     entry = vocabulary.entries.get(attribute.entry)
     if entry is None:
         return
     found = _denied(entry, vocabulary) if attribute.negated else entry.wishes
     mild = attribute.negated and entry.opposite and not any(m.effects for m in entry.never)
-    strength = _NOT if mild else attribute.strength
+    strength = 0.6 if mild else attribute.strength  # "not glossy" is a mild "matte"
     wishes = [_wish(own, attribute, strength) for own in found]
     vague = entry.slot in ("lighting", "grade") and len(entry.classes) > 1
     for wish in wishes:
@@ -160,7 +147,16 @@ def _of_word(attribute: Attribute, vocabulary: Vocabulary) -> Iterator[Wish]:
 def _wish(own: EntryWish, attribute: Attribute, strength: float) -> Wish:
     """An entry's wish, adapted to the target and the strength of a word of the prompt."""
     quantity = quantities().by_name[own.quantity]
-    named = own.named if _speaks_of(attribute, own.quantity) else ""
+    named = own.named
+    # Classes of light describe the key or all light, and classes of matter surfaces of the subject.
+    if own.quantity in ("direction", "hardness", "light_color") and (
+        attribute.lights or attribute.role in ("rim", "fill")
+    ):
+        named = ""
+    if own.quantity in ("color", "finish", "substance") and (
+        attribute.region == "surroundings" or attribute.kind in ("light", "fog", "tone", "shadow")
+    ):
+        named = ""
     if named and attribute.strength < _SOFT:
         named = quantity.softer.get(named, named) if quantity.softly else ""
     claims = (*(() if attribute.negated else own.claims), *quantity.classes.get(named, ()))
@@ -170,41 +166,24 @@ def _wish(own: EntryWish, attribute: Attribute, strength: float) -> Wish:
     return Wish(attribute, own.quantity, named, named or own.named, effects, claims, strength)
 
 
-def _speaks_of(attribute: Attribute, quantity: str) -> bool:
-    """True if the classes of a quantity apply to a word's target: those of light describe the key or all light, no rim or fill."""
-    if quantity in _OF_LIGHT:
-        return not (attribute.lights or attribute.role in ("rim", "fill"))
-    if quantity in _OF_MATTER:
-        return attribute.region != "surroundings" and attribute.kind not in _NO_MATTER
-    return True
-
-
 def _allowed(effects: Iterable[Effect], attribute: Attribute) -> tuple[Effect, ...]:
     """The effects on parameters that a word of this slot may change: a mood changes no materials."""
     return tuple(e for e in effects if may_serve(OWNERS[e.owner], attribute.slot, attribute.cause))
 
 
 def _denied(entry: VocabularyEntry, vocabulary: Vocabulary) -> list[EntryWish]:
-    """The wishes of a negated word.
-
-    They come from the entry's own `never` wishes, else from its opposite, else from its effects at values that change nothing.
-    """
+    """The wishes of a negated word: the entry's own `never` wishes, else its opposite's, else effects that change nothing."""
     opposite = vocabulary.opposite(entry)
     # An opposite may have classes in common with the word: pastel and noir are both muted.
     shared = entry.classes.items() & opposite.classes.items() if opposite else set()
     other = [m for m in opposite.wishes if (m.quantity, m.named) not in shared] if opposite else []
     acting = [m for m in entry.never if m.effects] or [m for m in other if m.effects]
     if not acting and opposite is None:
-        acting = [replace(m, effects=tuple(_undone(m.effects))) for m in entry.wishes]
+        for m in entry.wishes:  # plain ranges of one number return to the default; lights stay
+            plain = [e for e in m.effects if e.mode == "" and len(e.lower) == 1 and OWNERS[e.owner] != "light"]
+            defaults = [(e, (FAMILIES[e.family].default,)) for e in plain]
+            acting.append(replace(m, effects=tuple(Effect(e.owner, e.name, "", value, value) for e, value in defaults)))
     naming = [m for m in entry.never if m.named] or [m for m in other if m.named]
     named = {m.quantity: m.named for m in naming}
     doing = {m.quantity: m.effects for m in acting}
     return [EntryWish(q, named.get(q, ""), doing.get(q, ())) for q in dict.fromkeys([*named, *doing])]
-
-
-def _undone(effects: Iterable[Effect]) -> Iterator[Effect]:
-    """Effects that set the defaults of their parameters: only of plain ranges of one number, and none of lights."""
-    for effect in effects:
-        if effect.mode == "" and len(effect.lower) == 1 and OWNERS[effect.owner] != "light":
-            default = FAMILIES[effect.family].default
-            yield Effect(effect.owner, effect.name, "", (default,), (default,))

@@ -23,7 +23,6 @@ from .wish import Wish, breadth_of
 
 T = TypeVar("T")
 _SHOWN = 60  # characters of a quotation in a message, at most
-_MOST_OF_SHADES = 200.0
 _TYPES = {
     str: "a text in quotes",
     float: "a finite number",
@@ -91,17 +90,11 @@ class JsonFields:
             raise VibeError(f"{self.place}.{name} holds something else than whole numbers.", "Write [1, 2].")
         return tuple(values)
 
-    def color(self, code: str) -> tuple[float, ...]:
-        """The sRGB color in [0, 1] of a code "#rrggbb"."""
-        if not is_hex(code):
-            raise VibeError(f"{self.place}.color is {quoted(code, _SHOWN)}.", 'Write it as "#rrggbb".')
-        return srgb_from_hex(code)
-
     def shades(self) -> tuple[tuple[float, float, float, float], ...]:
         """The field "shades", changes of a material's own color: four numbers each; empty if the field is missing."""
         rows: list[Any] = self.take("shades", list, [])
         if not all(
-            isinstance(row, list) and len(row) == 4 and all(_is_number(v) and abs(v) <= _MOST_OF_SHADES for v in row)
+            isinstance(row, list) and len(row) == 4 and all(_is_number(v) and abs(v) <= 200.0 for v in row)
             for row in rows
         ):
             problem = f"{self.place}.shades holds something else than lists of four small numbers."
@@ -134,7 +127,6 @@ _REGIONS: tuple[str, ...] = get_args(Region)
 KINDS = (*(kind for kind in shipped_vocabulary().painted if not kind.startswith("hidden")), "whole")
 """Kinds of targets that a word may have: all that a color word can describe, and "whole" for the whole image."""
 ROLES = ("", *NAMED_ROLES, "others")  # roles of the lights that a word may describe
-_PICTURED = ("", "times", "plus")  # modes of effects that a reference image may have
 _HELP = "Write a new file with `vibe explain PROMPT --goals`, and change that; docs/reference/goals.md has all fields."
 
 
@@ -142,8 +134,7 @@ def as_json(goals: Goals) -> dict[str, Any]:
     """Goals as a JSON object: the words, each with its target and its wishes, and which wishes are overridden by which word."""
     wishes = [*goals.wishes, *(each.wish for each in goals.lost)]
     won = {id(each.wish): each.winner.word for each in goals.lost}
-    words: dict[int, Attribute] = {id(a): a for a in goals.parsed.attributes}
-    words |= {id(wish.attribute): wish.attribute for wish in wishes}
+    words = {id(a): a for a in (*goals.parsed.attributes, *(wish.attribute for wish in wishes))}
     return {
         "version": VERSION,
         "prompt": goals.parsed.prompt,
@@ -208,17 +199,14 @@ class WrittenGoals:
     holds: bool = False  # whether the rest of the image stays
 
     def within(self, words: SceneDescription) -> Goals:
-        """The goals, bound to a scene, with notes on what is missing in it.
-
-        A word for a material or light that the scene lacks describes the whole region or kind. If the wish comes from a reference
-        image and the scene has none of its materials, it is left out.
-        """
+        """The goals, bound to a scene, with notes on what is missing in it."""
         known = {*words.lights, *(f"{GLOW}{name}" for name in words.glows)}
         bound, gone, notes = dict[int, Attribute](), set[int](), list[str]()
         for a in self.attributes:
             owners = tuple(name for name in a.owners if name in words.materials)
             lights = tuple(name for name in a.lights if name in known)
             bound[id(a)] = replace(a, owners=owners, lights=lights)
+            # A word for what the scene lacks describes the whole region or kind; a statement of a reference image is left out.
             left_out = a.slot == PICTURE and a.owners and not owners
             gone |= {id(a)} if left_out else set()
             missing = [name for name in a.owners if name not in owners]
@@ -275,6 +263,8 @@ def from_json(raw: Any) -> WrittenGoals:
 def _read_word(word: JsonFields) -> tuple[Attribute, list[Wish]]:
     target = JsonFields(word.take("target", dict, {}), f"{word.place}.target")
     color = word.take("color", str, "")
+    if color and not is_hex(color):
+        raise VibeError(f"{word.place}.color is {quoted(color, _SHOWN)}.", 'Write it as "#rrggbb".')
     attribute = Attribute(
         word=word.named("word"),
         entry=word.take("look", str, ""),
@@ -285,7 +275,7 @@ def _read_word(word: JsonFields) -> tuple[Attribute, list[Wish]]:
         negated=word.take("denied", bool, False),
         owners=tuple(target.texts("materials")),
         role=target.choice("role", ROLES, ""),
-        color=word.color(color) if color else None,
+        color=srgb_from_hex(color) if color else None,
         thing=target.take("thing", str, ""),
         cause=word.take("implied_by", str, ""),
         phrases=target.numbers("described"),
@@ -315,7 +305,7 @@ def _read_wish(row: JsonFields, attribute: Attribute) -> Wish:
         if not may_serve(OWNERS[effect.owner], attribute.slot, attribute.cause):
             problem = f"{row.place}.parameters: a word of slot {attribute.slot} may not change a material: '{effect}'."
             raise VibeError(problem, "Remove it, or give the word the slot color, material or finish.")
-        if attribute.slot == PICTURE and effect.mode not in _PICTURED:
+        if attribute.slot == PICTURE and effect.mode not in ("", "times", "plus"):
             problem = f"{row.place}.parameters: a reference image cannot have '{effect}'."
             raise VibeError(problem, "Write LOWER..UPPER, alone or after times or plus.")
     claims = row.each("image", _read_claim)

@@ -101,8 +101,8 @@ def set_stage(
     # No rig: lights and a backdrop that single words need
     roles = {x.name: ADDED_LIGHTS[x.name].role for x in staged[0].standby.lights if x.name in _SPARE}
     instances = dict(staged[0].instances)
-    names = missing_lights(goals, instances, understood.scene, roles, vocabulary) if new_lights else []
-    parts = asks_for_backdrop(goals, instances, understood.scene, vocabulary)
+    names = missing_lights(goals, instances, understood.scene, roles) if new_lights else []
+    parts = asks_for_backdrop(goals, instances, understood.scene)
     if parts and all(scene.may_have_backdrop for scene in staged):
         staged = [scene.with_backdrop() for scene in staged]
     staged = [scene.with_lights(names) if names else scene for scene in staged]

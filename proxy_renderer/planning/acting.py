@@ -9,33 +9,29 @@ from ..goals.resolve import Goals, Lost, contradicts
 from ..goals.wish import Wish
 from ..words.lexicon.entries import Effect
 from ..words.lexicon.quantities import quantities
-from ..words.lexicon.vocabulary import Vocabulary
+from ..words.lexicon.user_words import default_vocabulary
 from .owners import Owners
 from .types import LightPlan
 
-_PALE, _WHITE = 80.0, 93.0  # L* of pale and of white surroundings
-_MAIN = 1  # priority of what a word is mainly about
 _LIT = ("direction", "hardness", "light_color", "key_to_rest", "brightness")  # quantities that a rig decides
-_SHEDS = ("light/", "world/", "volume/", "film/vignette", "film/exposure")  # families that a rig sets itself
-_BESIDE_LIGHT = 0.5  # factor on the strength of what a mood implies, next to a rig
 STAGES = 3  # number of stages, see `stage_of`
 Act = tuple[Wish, Effect]  # an effect, with the wish that it comes from
 
 
-def acts(goals: Goals, vocabulary: Vocabulary, owners: Owners) -> list[Act]:
+def acts(goals: Goals, owners: Owners) -> list[Act]:
     """The effects of all wishes, in the order of the prompt."""
-    wishes = (wish for wish in goals.wishes if not wish.of_picture)
-    return [(wish, effect) for wish in wishes for effect in _effects(wish, vocabulary, owners)]
-
-
-def _effects(wish: Wish, vocabulary: Vocabulary, owners: Owners) -> tuple[Effect, ...]:
-    """The effects of a wish. If surfaces hide the world, a color of the surroundings is painted on those surfaces alone."""
-    color, kind = wish.attribute.color, wish.attribute.kind
-    if color and wish.effects and kind == "surroundings" and owners.world_is_hidden():
-        light = lab_from_srgb(color)[0]
-        hidden = "hidden_white" if light > _WHITE else "hidden_pale" if light > _PALE else "hidden"
-        return vocabulary.painted[hidden]
-    return vocabulary.painted[kind] if color and wish.effects and kind == "world" else wish.effects
+    found, vocabulary = list[Act](), default_vocabulary()
+    for wish in (wish for wish in goals.wishes if not wish.of_picture):
+        color, kind, effects = wish.attribute.color, wish.attribute.kind, wish.effects
+        if color and effects and kind == "surroundings" and owners.world_is_hidden():
+            # Surfaces hide the world: the color is painted on them alone.
+            light = lab_from_srgb(color)[0]
+            hidden = "hidden_white" if light > 93.0 else "hidden_pale" if light > 80.0 else "hidden"
+            effects = vocabulary.painted[hidden]
+        elif color and effects and kind == "world":
+            effects = vocabulary.painted[kind]
+        found += [(wish, effect) for effect in effects]
+    return found
 
 
 def goals_without_rig(goals: Goals, light: LightPlan) -> Goals:
@@ -50,33 +46,26 @@ def goals_without_rig(goals: Goals, light: LightPlan) -> Goals:
     every = (*goals.wishes, *(each.wish for each in goals.lost))
     lit = [wish for wish in every if wish.attribute in light.served and wish.quantity in _LIT]
     beaten = {id(w): first for w in goals.wishes for first in (*lit, *light.shown) if _outshone(w, first, light)}
-    left = tuple(_left(wish, light) for wish in goals.wishes if id(wish) not in beaten)
+    left = []
+    for wish in (wish for wish in goals.wishes if id(wish) not in beaten):
+        served = wish.attribute in light.served
+        if served or wish.implied:
+            sheds = "light/", "world/", "volume/", "film/vignette", "film/exposure"  # families that a rig sets itself
+            keeps = not served or wish.attribute.slot == "grade"
+            effects = tuple(e for e in wish.effects if keeps and not e.family.startswith(sheds))
+            strength = wish.strength * (0.5 if wish.implied else 1.0)
+            wish = replace(wish, effects=effects, claims=(), strength=strength)
+        left.append(wish)
     lost = tuple(Lost(wish, beaten[id(wish)]) for wish in goals.wishes if id(wish) in beaten)
-    return replace(goals, wishes=left, lost=(*goals.lost, *lost), shown=light.shown)
+    return replace(goals, wishes=tuple(left), lost=(*goals.lost, *lost), shown=light.shown)
 
 
 def _outshone(wish: Wish, served: Wish, light: LightPlan) -> bool:
-    """True if a rig's wish, `served`, overrides another wish: the light of an "old" well in moonlight is not warm.
-
-    A wish of a reference image is overridden if it contradicts one that the rig shows; a wish of a word only if the word is not
-    about light.
-    """
+    """True if a rig's wish, `served`, overrides another wish: the light of an "old" well in moonlight is not warm."""
     if wish.of_picture or served in light.shown:
         return wish.of_picture and contradicts(served, wish)
     about_light = wish.attribute.slot == "lighting" or wish.attribute.color or wish.attribute in light.served
     return not about_light and wish.quantity in _LIT and contradicts(served, wish)
-
-
-def _left(wish: Wish, light: LightPlan) -> Wish:
-    """A wish without what a rig sets itself; a wish that is neither served by the rig nor implied stays as it is."""
-    served = wish.attribute in light.served
-    if not (served or wish.implied):
-        return wish
-    graded = tuple(e for e in wish.effects if not e.family.startswith(_SHEDS))
-    if served and wish.attribute.slot != "grade":
-        graded = ()
-    strength = _BESIDE_LIGHT * wish.strength if wish.implied else wish.strength
-    return replace(wish, effects=graded, claims=(), strength=strength)
 
 
 def grade_of(light: LightPlan) -> Iterator[Act]:
@@ -88,15 +77,12 @@ def grade_of(light: LightPlan) -> Iterator[Act]:
 
 def is_usual(wish: Wish, effect: Effect) -> bool:
     """True if an effect describes what a place usually has: the sky of a garden is blue, but not at night."""
-    return wish.attribute.slot == "setting" and effect.weak and effect.priority > _MAIN
+    return wish.attribute.slot == "setting" and effect.weak and effect.priority > 1
 
 
 def stage_of(effect: Effect) -> int:
-    """The stage, from 0, in which an effect is applied.
-
-    The world's strength, and shares of the key's light, come in stage 1: they depend on the world's color and the key. Effects with
-    a material's own color come in stage 2.
-    """
+    """The stage, from 0, in which an effect is applied."""
     if effect.color == "own":
         return 2
+    # Shares of the key's light depend on the key, and the world's strength depends on its color.
     return 1 if effect.mode == "share" or effect.family == "world/strength" else 0

@@ -1,31 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
 """A round's understanding of a prompt: captions for the encoder, the plan, and a readable account of both."""
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any, Protocol
 
 from ..goals.resolve import Goals
-from ..schema import Instance, Values, VibeError, labels
+from ..schema import Instance, VibeError, labels
 from ..words.attributes import color_class
 from ..words.lexicon.entries import VocabularyEntry
 from ..words.lexicon.user_words import default_vocabulary
 from ..words.lexicon.vocabulary import Vocabulary
-from ..words.types import Attribute, Parsed, PromptWord, SceneDescription
+from ..words.types import Attribute, Parsed, SceneDescription
 from .planner import plan
 from .types import LightPlan, Plan
 
 _MOST = 5  # words per caption: short ones are understood better
-_BEFORE = {"finish": 1, "color": 2, "material": 3}  # slot -> place before a noun; others come first
 _OF_MATTER = ("color", "finish", "material", "setting")
-_OF_ALL = ("lighting", "atmosphere", "grade", "mood")
-_KINDS = {"subject": ("subject", "highlight", "glow"), "surroundings": ("surroundings", "sky")}
-"""Region -> kinds of targets that its caption describes."""
-_ALL = {"subject": "silhouette", "surroundings": "fog"}  # region -> kind or entry that describes all of it
-_UNNAMED = {"subject": "object", "surroundings": "background"}  # region -> its noun if the prompt has none
-_COLORED = ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience")
-"""Kinds of targets whose noun follows a color in a caption: "blue shadows"."""
+_KINDS = {"subject": ("silhouette", ("subject", "highlight", "glow")), "surroundings": ("fog", ("surroundings", "sky"))}
+"""Region -> the kind or entry that describes all of it, and the kinds of targets that its caption describes."""
 
 
 @dataclass(frozen=True)
@@ -45,34 +39,23 @@ def compose(parsed: Parsed, overruled: Collection[Attribute] = (), vocabulary: V
     captions = _Captions(vocabulary or default_vocabulary())
     meant = [a for a in parsed.attributes if a not in overruled]
     said = [a for a in meant if not a.negated and not a.cause]
-    mine, theirs = ([a for a in said if _is_of(region, a)] for region in _KINDS)
-    noun, backdrop = (_called(region, parsed) for region in _KINDS)
+    # Words for the surfaces of a region, its sky, or all of it
+    mine, theirs = (
+        [a for a in said if whole in (a.kind, a.entry) or (a.kind in kinds and a.slot in _OF_MATTER)]
+        for whole, kinds in _KINDS.values()
+    )
+    names = {o.region: "" if o.name == o.region else o.name for o in reversed(parsed.objects)}
+    noun, backdrop = names.get("subject") or "object", names.get("surroundings") or "background"
     things: dict[str, list[Attribute]] = {}  # noun -> its words: "a white cup, a black table" has two nouns
     for attribute in mine:
         things.setdefault((attribute.owners and attribute.thing) or noun, []).append(attribute)
     foreground = ", ".join(captions.caption(a, name) for name, a in (things or {noun: []}).items())
     background = captions.caption(theirs, backdrop) if theirs else ""
-    whole = [a for a in said if a.region == "whole" or a.slot in _OF_ALL]
+    whole = [a for a in said if a.region == "whole" or a.slot in ("lighting", "atmosphere", "grade", "mood")]
     looks = [captions.words(a) for a in whole if a not in mine and a not in theirs][:_MOST]
-    return Prompts(
-        foreground,
-        background,
-        ", ".join(dict.fromkeys(filter(None, (foreground, background, *looks)))),
-        captions.mistakes(mine, theirs, noun),
-        captions.mistakes(theirs, mine, backdrop),
-        captions.unwanted(meant),
-    )
-
-
-def _called(region: str, parsed: Parsed) -> str:
-    name = next((o.name for o in parsed.objects if o.region == region), region)
-    return _UNNAMED[region] if name in ("", region) else name
-
-
-def _is_of(region: str, attribute: Attribute) -> bool:
-    """True if a word describes the surfaces of a region, its fog, its sky, or all of it, as "silhouette" does."""
-    whole = _ALL[region] in (attribute.kind, attribute.entry)
-    return whole or (attribute.kind in _KINDS[region] and attribute.slot in _OF_MATTER)
+    caption = ", ".join(dict.fromkeys(filter(None, (foreground, background, *looks))))
+    mistakes = captions.mistakes(mine, theirs, noun), captions.mistakes(theirs, mine, backdrop)
+    return Prompts(foreground, background, caption, *mistakes, captions.unwanted(meant))
 
 
 class _Captions:
@@ -83,7 +66,11 @@ class _Captions:
         """The encoder's text for a word: its expansion, with the intensity kept."""
         entry = self.entries.get(attribute.entry)
         if attribute.color or not entry:
-            return _color(attribute)
+            # A color has its name and its basic color, "crimson red": encoders know few names of colors.
+            kind, name = color_class(attribute), attribute.entry
+            if attribute.kind in ("light", "fill", "rim", "shadow", "highlight", "glow", "ambience"):
+                return f"{name} {attribute.thing}"  # "blue shadows"
+            return name if kind in name.replace("gray", "grey") else f"{name} {kind}"
         if attribute.shades:
             return attribute.english or attribute.word
         degree = "slightly " if attribute.strength < 0.8 else "very " if attribute.strength > 1.3 else ""
@@ -95,7 +82,8 @@ class _Captions:
         after: list[str] = []
         # A setting that is part of the noun is left out: no "studio studio"
         said = (a for a in attributes if a.slot != "setting" or (a.english or a.word) not in noun)
-        for attribute in sorted(said, key=lambda a: _BEFORE.get(a.slot, 0)):
+        before_noun = {"finish": 1, "color": 2, "material": 3}  # slot -> place; others come first
+        for attribute in sorted(said, key=lambda a: before_noun.get(a.slot, 0)):
             adjective, _, more = self.words(attribute).partition(", ")
             long = adjective.count(" ") > 1 and not attribute.color
             (after if long else before).append(adjective)
@@ -124,26 +112,17 @@ class _Captions:
     def unwanted(self, attributes: list[Attribute]) -> tuple[str, ...]:
         """Negatives of the whole image: what negated words describe, and the opposites of words about the whole image."""
         wanted = {self.words(a) for a in attributes if not a.negated}
-        negatives = (text for a in attributes for text in self._denied(a))
-        return tuple(n for n in dict.fromkeys(negatives) if n not in wanted)
-
-    def _denied(self, attribute: Attribute) -> Iterator[str]:
-        if attribute.negated:
-            yield self.words(replace(attribute, strength=1.0, shades=()))
-        elif attribute.region == "whole" and not attribute.cause and (opposite := self._opposite(attribute)):
-            yield opposite.phrase
+        negatives: dict[str, None] = {}
+        for attribute in attributes:
+            if attribute.negated:
+                negatives[self.words(replace(attribute, strength=1.0, shades=()))] = None
+            elif attribute.region == "whole" and not attribute.cause and (opposite := self._opposite(attribute)):
+                negatives[opposite.phrase] = None
+        return tuple(n for n in negatives if n not in wanted)
 
     def _opposite(self, attribute: Attribute) -> VocabularyEntry | None:
         entry = self.entries.get(attribute.entry)
         return self.vocabulary.opposite(entry) if entry else None
-
-
-def _color(attribute: Attribute) -> str:
-    """A color by its name and its basic color, "crimson red": encoders know few names of colors."""
-    kind, name = color_class(attribute), attribute.entry
-    if attribute.kind in _COLORED:
-        return f"{name} {attribute.thing}"
-    return name if kind in name.replace("gray", "grey") else f"{name} {kind}"
 
 
 NO_PROMPTS = Prompts("", "", "")  # nothing to ask an encoder
@@ -168,11 +147,12 @@ class Advisor(Protocol):
         """Parse, compose, confine. `display` is the current image (H, W, 3) in [0, 1]; locks are in `instances`."""
 
 
+@dataclass(frozen=True)
 class OfflineAdvisor:
     """The vocabulary and its planner; without goals, the reason why nothing is understood."""
 
-    def __init__(self, goals: Goals | VibeError, light: LightPlan | None = None) -> None:
-        self.goals, self.light = goals, light
+    goals: Goals | VibeError
+    light: LightPlan | None = None
 
     def advise(self, display: Any, instances: Mapping[str, Instance], scene: SceneDescription) -> Advice:
         """Raises VibeError if no word of the prompt is known."""
@@ -207,11 +187,15 @@ def explain(goals: Goals, prompts: Prompts, plan: Plan) -> str:
     moods: dict[str, dict[str, None]] = {}
     for attribute in (a for a in parsed.attributes if a.cause):
         moods.setdefault(attribute.cause, {})[attribute.word] = None
-    lines += [f"  '{mood}' stands for: {', '.join(words)}" for mood, words in moods.items()]
-    lines += [f"  guessed: '{word}' as '{entry}'" for word, entry in parsed.guesses.items()]
+    lines += [f"  '{mood}' stands for: {', '.join(implied)}" for mood, implied in moods.items()]
+    lines += [f"  guessed: '{unknown}' as '{entry}'" for unknown, entry in parsed.guesses.items()]
     if parsed.ignored:
         lines.append(f"  not used: {', '.join(parsed.ignored)}")
-    lines += ["", "Words (--target WORD=NAME says what a word describes)", *map(_word, parsed.words)]
+    lines += ["", "Words (--target WORD=NAME says what a word describes)"]
+    for word in parsed.words:
+        others = "".join(f"; {each.name} {each.probability:.0%}" for each in word.candidates[1:])
+        sure = f" ({word.confidence:.0%}{others})" if word.candidates else ""
+        lines.append(f"  {word.key}: {word.target}{sure}")
     lines += ["", "Told to an encoder that is named (--encoder)", f"  subject: {prompts.subject}"]
     lines.append(f"  surroundings: {prompts.surroundings or '(left open)'}")
     lines.append(f"  picture: {prompts.whole}")
@@ -221,19 +205,14 @@ def explain(goals: Goals, prompts: Prompts, plan: Plan) -> str:
     moving = sorted((e.priority, key) for key, e in plan.items() if e.priority is not None)
     for priority, key in moving:
         entry = plan[key]
-        shown = _range(key, entry.lower, entry.upper)
+        shown = labels.text(key, entry.upper)
+        if entry.lower != entry.upper:
+            shown = f"{labels.bare(key, entry.lower)} .. {shown}"
         lines.append(f"  {priority:3d}  {labels.title(key)}: {shown}  {entry.reason}")
     kept = len(plan) - len(moving)
     lines.append(f"  {kept} other parameters keep the artist's value.")
     lines += [f"  note: {note}" for note in plan.notes]
     return "\n".join(lines)
-
-
-def _word(word: PromptWord) -> str:
-    """A word with what it describes, how sure that is, and what else it may describe."""
-    others = "".join(f"; {each.name} {each.probability:.0%}" for each in word.candidates[1:])
-    sure = f" ({word.confidence:.0%}{others})" if word.candidates else ""
-    return f"  {word.key}: {word.target}{sure}"
 
 
 def as_dict(goals: Goals, prompts: Prompts, plan: Plan) -> dict:
@@ -256,8 +235,3 @@ def as_dict(goals: Goals, prompts: Prompts, plan: Plan) -> dict:
         "guesses": parsed.guesses,
         "notes": list(plan.notes),
     }
-
-
-def _range(key: str, lower: Values, upper: Values) -> str:
-    last = labels.text(key, upper)
-    return last if lower == upper else f"{labels.bare(key, lower)} .. {last}"

@@ -8,9 +8,6 @@ import numpy as np
 from ..scene import SceneData
 from ..words.types import Glow
 
-_MOST = 1.0  # light of a glow that surrounds a white surface, which then has the glow's own radiance
-_ENOUGH = 50_000  # about so many triangles of a glow are sampled at most
-
 
 def glowing(scene: SceneData) -> list[str]:
     """Names of the materials that emit light, in the order of the scene's materials."""
@@ -34,7 +31,7 @@ def glows(scene: SceneData) -> dict[str, Glow]:
             continue
         objects = {scene.objects[o].name for o in np.flatnonzero(np.bincount(mesh.object[faces])).tolist()}
         # Of very many triangles every `step`-th stands for `step` of them.
-        step = max(len(faces) // _ENOUGH, 1)
+        step = max(len(faces) // 50_000, 1)
         corners = mesh.vertices[mesh.faces[faces[::step]]].astype(float)
         # The length of a normal is the area that its triangle stands for.
         normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) * (step / 2.0)
@@ -47,7 +44,6 @@ def glows(scene: SceneData) -> dict[str, Glow]:
         levels = material.maps.get("emission")
         strength = float(levels.image[..., 0].mean()) if levels else 1.0
         azimuth = math.degrees(math.atan2(x, -y))
-        found[material.name] = Glow(
-            min(float(light.sum()), _MOST), azimuth, tuple(sorted(objects)), tuple(color), strength
-        )
+        total = min(float(light.sum()), 1.0)  # a glow all around gives a white surface its own radiance
+        found[material.name] = Glow(total, azimuth, tuple(sorted(objects)), tuple(color), strength)
     return found

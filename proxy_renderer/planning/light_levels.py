@@ -58,10 +58,8 @@ class Sources:
     key: float = 0.0  # radiance, before exposure, of a white surface that faces the key; 0 without one
 
 
-_MIRED = (0.0029, -0.0009, -0.0072)  # growth of the logarithms of warm light's RGB per mired (1e6 / K)
-_WHITE: Values = (1.0, 1.0, 1.0)
-
 Value = Callable[[Instance], Values]
+_WHITE: Values = (1.0, 1.0, 1.0)
 
 
 def watts(instance: Instance, scene: SceneDescription) -> float:
@@ -77,12 +75,7 @@ def watts(instance: Instance, scene: SceneDescription) -> float:
 def facing_radiance(
     instances: dict[str, Instance], scene: SceneDescription, value: Value, lights: Collection[str] | None = None
 ) -> float:
-    """Radiance, before exposure, of a white surface that faces all lights and glows, or only those that are named.
-
-    Args:
-        value: Gives the value of an instance to compute with.
-        lights: Names of lights, and of glows as "material/NAME"; None for all.
-    """
+    """Radiance, before exposure, of a white surface that faces all `lights`, or those named; glows are named "material/NAME"."""
     found = {}
     for instance in instances.values():
         if instance.parameter.group == "light" and instance.parameter.name in ("power", "strength"):
@@ -101,5 +94,5 @@ def facing_radiance(
 def kelvin_color(kelvin: float) -> Values:
     """The linear RGB color of light of a temperature in kelvins, scaled to a largest component of 1."""
     mireds = 1e6 / kelvin - 1e6 / 6500.0
-    tint = [math.exp(m * mireds) for m in _MIRED]
+    tint = [math.exp(growth * mireds) for growth in (0.0029, -0.0009, -0.0072)]
     return tuple(v / max(tint) for v in tint)

@@ -11,10 +11,8 @@ from ..words.names import is_detail, kind_of
 from ..words.types import GLOW, Attribute, Parsed, SceneDescription
 from .light_levels import facing_radiance
 
-_SHARE = 0.15  # share of the light on the subject above which a glow counts as a light of the scene
 _OF_GLOWS = {"power": "emission", "color": "emission_color", "temperature": "emission_color"}
 """Parameter of a light -> parameter of a glowing material; glows have no position or size to change."""
-_BEHIND = 180.0  # azimuth of a light behind the subject, degrees from the camera
 
 
 class SceneLights:
@@ -33,11 +31,21 @@ class SceneLights:
         self._instances, self._scene = instances, scene
         self.lamps = list(dict.fromkeys(i.owner for i in instances.values() if i.parameter.group == "light"))
         # Glows that give the subject a noticeable share of all light; dials and diodes do not.
-        least = _SHARE * max(self._radiance(), 1e-6)
+        least = 0.15 * max(self._radiance(), 1e-6)
         glows = (f"{GLOW}{material}" for material in scene.emitters)
         self.glows = [name for name in glows if self._radiance(name) > least]
-        self.key = self._key()
-        self.rim = [n for n in self.of_role("rim") if n not in self.key] or self._nearest_behind()
+        own = self.of_role("key")
+        self.key = own
+        if self.glows or not own:
+            self.key = sorted([*(own or self.lamps), *self.glows], key=self._radiance, reverse=True)[:1]
+        others = [n for n in self.lamps if n not in self.key]
+        unassigned = [n for n in others if n not in self.of_role("fill")] or others
+        angles = {
+            i.owner: i.value[0] / i.reference for i in instances.values() if i.parameter.family == "light/azimuth"
+        }
+        turns = {n: (angles.get(n, 0.0) - scene.camera_azimuth) % 360.0 for n in unassigned}
+        behind = sorted(unassigned, key=lambda n: abs(turns[n] - 180.0))
+        self.rim = [n for n in self.of_role("rim") if n not in self.key] or behind[:1]
         self.fill = [n for n in [*self.of_role("fill"), *self.glows] if n not in self.key]
 
     @property
@@ -84,36 +92,9 @@ class SceneLights:
     def _but(self, names: list[str]) -> list[str]:
         return [name for name in self.every if name not in names]
 
-    def _key(self) -> list[str]:
-        lamps = self.of_role("key")
-        if not self.glows:
-            return lamps or self._brightest(self.lamps)
-        return self._brightest([*(lamps or self.lamps), *self.glows])
-
-    def _nearest_behind(self) -> list[str]:
-        """The light that is most behind the subject, seen from the camera; never the key."""
-        others = [n for n in self.lamps if n not in self.key]
-        unassigned = [n for n in others if n not in self.of_role("fill")] or others
-        behind = sorted(unassigned, key=lambda light: abs(self._turn(light) % 360.0 - _BEHIND))
-        return behind[:1]
-
-    def _turn(self, light: str) -> float:
-        instance = self._instances.get(f"light/{light}/azimuth")
-        azimuth = instance.value[0] / instance.reference if instance else 0.0
-        return azimuth - self._scene.camera_azimuth
-
-    def _brightest(self, lights: list[str]) -> list[str]:
-        return [max(lights, key=self._radiance)] if lights else []
-
     def _radiance(self, *lights: str) -> float:
         """Radiance of a white surface that faces the named lights and glows, or all, at the artist's values."""
         return facing_radiance(self._instances, self._scene, lambda i: i.value, lights or None)
-
-
-_PART = 0.12  # share of a thing's pixels below which materials are small parts: tires, eyes, screws
-_LIKE = 0.25  # least share relative to the largest part, if all are small parts: a shelf of a hundred books
-_STAYS = "the prompt says that it stays"
-_LOOK = ("base_color", "metallic", "roughness", "transmission")  # equal in two materials that look alike
 
 
 class SceneMaterials:
@@ -138,19 +119,14 @@ class SceneMaterials:
             names = self.of_region(region if region in ("subject", "surroundings") else "subject")
             if attribute.slot != "lighting":  # light falls on small parts, too: all of a silhouette is dark
                 names = self._whole(names)
-        recolors = effect.name == "recolor"
-        return [name for name in names if not recolors or self._is_recolored(name, effect, attribute)]
-
-    def _is_recolored(self, name: str, effect: Effect, attribute: Attribute) -> bool:
-        """True if an effect on `recolor`, which grays a texture before it is tinted, applies to this material.
-
-        A glow, a material without `tint`, is grayed only by words about glows or if the word gives it a color; a surface by all words
-        that are not about glows.
-        """
-        glow = f"material/{name}/tint" not in self._instances
+        if effect.name != "recolor":
+            return names
+        # `recolor` grays a texture before it is tinted. Words about glows gray glows, which have no `tint`; all other words gray
+        # surfaces, and glows only if they give them a color.
+        glows = [name for name in names if f"material/{name}/tint" not in self._instances]
         if attribute.kind == "glow":
-            return glow
-        return not glow or (attribute.color is not None and effect.owner == "material")
+            return glows
+        return [n for n in names if n not in glows or (attribute.color is not None and effect.owner == "material")]
 
     def _whole(self, names: list[str]) -> list[str]:
         """The main materials of a thing, and small ones that look like them: "red car" does not mean its tires."""
@@ -159,26 +135,23 @@ class SceneMaterials:
             kind = kind_of(name)
             shares[kind] = shares.get(kind, 0.0) + self._shares.get(name, 1.0)
         made_up = [n for n in names if not is_detail(n)] or names
-        least = _PART * sum(shares.values())
+        least = 0.12 * sum(shares.values())  # tires, eyes and screws have less
         large = [n for n in made_up if shares[kind_of(n)] >= least]
         most = max((shares[kind_of(n)] for n in made_up), default=0.0)
-        large = large or [n for n in made_up if shares[kind_of(n)] >= _LIKE * most]
+        # if all are small: a shelf of a hundred books
+        large = large or [n for n in made_up if shares[kind_of(n)] >= 0.25 * most]
         looks = {look for n in large if (look := self._look(n))}
         return [n for n in made_up if n in large or self._look(n) in looks]
 
     def _look(self, name: str) -> tuple[Values, ...]:
         if f"material/{name}/base_color" not in self._instances:
             return ()
-        values = (self._instances.get(f"material/{name}/{part}") for part in _LOOK)
+        parts = "base_color", "metallic", "roughness", "transmission"
+        values = (self._instances.get(f"material/{name}/{part}") for part in parts)
         return tuple(tuple(round(v, 2) for v in i.value) if i else () for i in values)
 
 
 BACKDROP = "world/backdrop_strength"  # exists if the camera sees another background than the one that lights
-_OF_BACKDROP = {"color": "backdrop_color", "tint": "backdrop_tint", "strength": "backdrop_strength"}
-"""Parameter of the world -> the same parameter of its backdrop."""
-SEEN, _SHED = ("surroundings", "sky"), ("share", "times", "gel")
-"""Kinds of targets that mean the visible background; modes of effects on the world's light alone, not on its backdrop."""
-SLIVER = 0.05  # share of the surroundings below which the visible world counts as none
 
 
 class Owners:
@@ -195,7 +168,16 @@ class Owners:
         if group == "light":
             return self.lights.values(effect, attribute)
         if group == "world":
-            names = self._of_world(effect, attribute)
+            # The world's parameter (warm light), its backdrop's (a white background), or both (a night)
+            parted = BACKDROP in self._instances and effect.name in ("color", "tint", "strength")
+            own = f"backdrop_{effect.name}" if parted else ""
+            # If the prompt names materials or a sky, words for the surroundings do not mean the world.
+            elsewhere = attribute.owners or any(a.kind == "sky" for a in self._parsed.attributes)
+            if attribute.kind == "surroundings" and effect.mode != "times" and elsewhere:
+                return []
+            seen = bool(own) and (effect.mode == "shown" or attribute.kind in ("surroundings", "sky"))
+            of_light = effect.mode in ("share", "times", "gel")  # on the world's light alone
+            names = [own] if seen else [effect.name] if of_light else [effect.name, own]
         elif group == "material":
             names = [f"{material}/{effect.name}" for material in self.materials.targets(effect, attribute)]
         else:
@@ -212,21 +194,11 @@ class Owners:
     def world_is_hidden(self) -> bool:
         """True if surfaces fill nearly all of the camera's view, so that the world is not visible."""
         share = self._world_share
-        return share is not None and share < SLIVER and bool(self.materials.of_region("surroundings"))
-
-    def _of_world(self, effect: Effect, attribute: Attribute) -> list[str]:
-        """The world's parameter (warm light), its backdrop's (a white background), or both (a night)."""
-        own = _OF_BACKDROP.get(effect.name) if BACKDROP in self._instances else None
-        # If the prompt names materials or a sky, words for the surroundings do not mean the world.
-        elsewhere = attribute.owners or any(a.kind == "sky" for a in self._parsed.attributes)
-        if attribute.kind == "surroundings" and effect.mode != "times" and elsewhere:
-            return []
-        if own and (effect.mode == "shown" or attribute.kind in SEEN):
-            return [own]
-        return [effect.name, own] if own and effect.mode not in _SHED else [effect.name]
+        return share is not None and share < 0.05 and bool(self.materials.of_region("surroundings"))
 
 
 def protected(instance: Instance, parsed: Parsed) -> Instance:
     """A parameter, locked where the prompt says that its owner stays as it is."""
     owner = f"{instance.parameter.group}/{instance.owner}".rstrip("/")
-    return replace(instance, locked=_STAYS) if owner in parsed.protected and not instance.locked else instance
+    stays = owner in parsed.protected and not instance.locked
+    return replace(instance, locked="the prompt says that it stays") if stays else instance

@@ -18,15 +18,11 @@ from .owners import protected
 from .ranges import clip
 from .types import Plan, PlanEntry
 
-_LIGHTNESS = 65.0  # L* of the color that a cast is turned into
 _STRONGER, _WEAKER = 1.6, 0.5
 """Factors on a cast for the ends of a light's range of colors. The strong end exceeds the cast because other light lies over it.
 A weak end at white would put hues of no cast into the range: pink and yellow next to orange."""
 _FEW_HUES = 0.0  # cosine between the hues of two casts below which each has a light of its own
-_PALE, _COLORFUL = 6.0, 16.0  # mean C* of a gray image, and C* above that at which paint keeps all saturation
-_STRONG = 6.0  # C* above which the hue of a cast counts
 HELD_LIGHTLY = 0.05  # `PlanEntry.prior` of values that a reference image lets move: of two ways, the nearer
-_LIT = ("light/color", "world/color")  # families that take the hues of the image's casts
 UNTOUCHED = "the picture does not speak of it: keeps the artist's value"
 
 
@@ -47,14 +43,14 @@ def light_colors(claims: Sequence[ClaimText]) -> LightColors:
     """
     casts = [_middle(claim) for claim in claims if claim.measure in CASTS] or [(0.0, 0.0)]
     lights = [_middle(claim) for claim in claims if claim.measure == "highlight_cast"]
-    strong = [cast for cast in casts if math.hypot(*cast) > _STRONG]
+    strong = [cast for cast in casts if math.hypot(*cast) > 6.0]
     strongest = max(casts, key=lambda cast: math.hypot(*cast))
     key = next((cast for cast in lights if cast in strong), strongest)
     fill = min(strong, key=lambda cast: _cosine(cast, key), default=key)
     if _cosine(key, fill) >= _FEW_HUES:
         key = fill = strongest
     vivid = max((claim.upper[0] for claim in claims if claim.measure == "chroma"), default=0.0)
-    paint = min(max(vivid - _PALE, 0.0) / _COLORFUL, 1.0)
+    paint = min(max(vivid - 6.0, 0.0) / 16.0, 1.0)  # from C* 6 of a gray image on
     return LightColors(_line(key, casts), _line(fill, casts), paint)
 
 
@@ -72,7 +68,7 @@ def _middle(claim: ClaimText) -> tuple[float, float]:
 
 def _color(a: float, b: float, times: float = _STRONGER) -> Values:
     """Linear color of light for a cast (a*, b*) times a factor, scaled to a largest component of 1."""
-    linear = linear_from_srgb(srgb_from_lab((_LIGHTNESS, times * a, times * b)))
+    linear = linear_from_srgb(srgb_from_lab((65.0, times * a, times * b)))
     return tuple(v / max(linear) for v in linear)
 
 
@@ -82,10 +78,7 @@ def _cosine(one: tuple[float, float], other: tuple[float, float]) -> float:
 
 
 def plan_with_picture(plan: Plan, goals: Goals, instances: Mapping[str, Instance], vocabulary: Vocabulary) -> Plan:
-    """A plan of words, extended by a reference image; without one the same plan.
-
-    Values that words name keep their entries. Of the rest, only those that the image's wishes are about may change.
-    """
+    """A plan of words, extended by a reference image; without one the same plan. Values that words name keep their entries."""
     pictured = goals_with_picture(goals, vocabulary).pictured
     if not pictured:
         return plan
@@ -107,35 +100,29 @@ def entries_of(pictured: Sequence[Wish], instances: Mapping[str, Instance]) -> d
     colors = None if same or exact else light_colors(claims)
     entries = {}
     for key, instance in instances.items():
-        name, effect = next((each for each in effects if _acts_on(each[1], instance)), ("", None))
-        if effect is None:
+        family, owners = instance.parameter.family, ("lights", instance.role)
+        acting = ((n, e) for n, e in effects if e.family == family and e.owner in (*owners, OWNERS[e.owner]))
+        name, effect = next(acting, ("", None))
+        if effect is None or instance.locked:
             continue
-        family, (lower, upper) = instance.parameter.family, _range(effect, instance)
+        lower, upper = _range(effect, instance)
         if exact:
             ends, reason = clip(lower, upper, instance), f"as light comes in {name}"
             entries[key] = PlanEntry(*ends, effect.priority, reason, prior=0.0)
             continue
         if colors and family == "film/saturation":
             lower = (colors.paint,)
-        lit = colors if family in _LIT else None
-        own = tuple(map(min, lower, instance.value)), tuple(map(max, upper, instance.value))
-        ends = _lit(lit, instance) if lit else clip(*own, instance)
+        lit = colors if family in ("light/color", "world/color") else None
+        if lit:  # the hue of the casts alone, from the artist's brightness up to the weakest cast
+            level, (strong, weak) = max(instance.value), lit.key if instance.role == "key" else lit.fill
+            lower = tuple(max(level * v, least) for v, least in zip(strong, instance.lower, strict=True))
+            ends = lower, tuple(map(min, weak, instance.upper))
+        else:
+            own = tuple(map(min, lower, instance.value)), tuple(map(max, upper, instance.value))
+            ends = clip(*own, instance)
         reason = f"free to come to look like {name}"
         entries[key] = PlanEntry(*ends, effect.priority, reason, HELD_LIGHTLY, any_hue=not lit)
     return entries
-
-
-def _acts_on(effect: Effect, instance: Instance) -> bool:
-    owned = effect.owner in ("lights", OWNERS[effect.owner], instance.role)
-    return owned and effect.family == instance.parameter.family and not instance.locked
-
-
-def _lit(colors: LightColors, instance: Instance) -> tuple[Values, Values]:
-    """The range of a light's color: the hue of the casts alone, from the artist's brightness up to the weakest cast."""
-    level = max(instance.value)
-    strong, weak = colors.key if instance.role == "key" else colors.fill
-    lower = tuple(max(level * v, least) for v, least in zip(strong, instance.lower, strict=True))
-    return lower, tuple(map(min, weak, instance.upper))
 
 
 def _range(effect: Effect, instance: Instance) -> tuple[Values, Values]:

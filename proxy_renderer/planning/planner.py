@@ -2,7 +2,7 @@
 """The confiner without a model: from wishes to ranges, starts and priorities of a scene's parameters."""
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from ..color.floats import srgb_from_linear
@@ -11,7 +11,6 @@ from ..goals.wish import Wish
 from ..schema import Instance, Values, labels
 from ..words.lexicon.entries import OWNERS, Effect
 from ..words.lexicon.user_words import default_vocabulary
-from ..words.lexicon.vocabulary import Vocabulary
 from ..words.types import GLOW, Attribute, SceneDescription
 from .acting import STAGES, acts, goals_without_rig, grade_of, is_usual, stage_of
 from .light_levels import Sources, WorldLook, facing_radiance
@@ -73,36 +72,31 @@ class Agreements:
             self._ranges.setdefault(each.key, []).append(each)
             keys[each.key] = None
         for key in keys:
-            self.of[key] = self._agreement(sorted(self._ranges[key], key=lambda r: r.rank))
+            # the range of highest rank, narrowed by each further one that overlaps with what remains
+            first, *others = sorted(self._ranges[key], key=lambda r: r.rank)
+            lower, upper, winners = first.lower, first.upper, [first]
+            for each in others:
+                if each.usual and not first.usual:
+                    continue
+                low, high = tuple(map(max, lower, each.lower)), tuple(map(min, upper, each.upper))
+                agrees = all(a <= b for a, b in zip(low, high, strict=True))
+                both_plain = first.is_plain and each.is_plain
+                if agrees and not first.start:  # a named color's range is not narrowed: that would change its hue
+                    lower, upper, winners = low, high, [*winners, each]
+                elif both_plain and each.reason != first.reason and (each.start or not agrees):
+                    pair = each.wish.attribute.word, first.wish.attribute.word
+                    self._lost.setdefault(pair, {})[each.key] = None
+            self.of[key] = Agreement(lower, upper, winners)
 
     def value(self, instance: Instance) -> Values:
         """The artist's value, or the start that words name, projected into the range that remains so far."""
         found = self.of.get(instance.key)
-        if found is None:
-            return instance.value
-        return within(found.winners[0].start or instance.value, found.lower, found.upper)
+        return within(found.winners[0].start or instance.value, found.lower, found.upper) if found else instance.value
 
     def notes(self) -> Iterator[str]:
         """Sentences on words that are overridden by others, with the parameters that both need."""
         for (loser, winner), keys in self._lost.items():
             yield f"'{loser}' gives way to '{winner}' on {labels.titles(list(keys))}: both need it."
-
-    def _agreement(self, ranked: list[WishedRange]) -> Agreement:
-        """The range of highest rank, narrowed by each further one that overlaps with what remains."""
-        first, *others = ranked
-        lower, upper, winners = first.lower, first.upper, [first]
-        for each in others:
-            if each.usual and not first.usual:
-                continue
-            low, high = tuple(map(max, lower, each.lower)), tuple(map(min, upper, each.upper))
-            agrees = all(a <= b for a, b in zip(low, high, strict=True))
-            both_plain = first.is_plain and each.is_plain
-            if agrees and not first.start:  # a named color's range is not narrowed: that would change its hue
-                lower, upper, winners = low, high, [*winners, each]
-            elif both_plain and each.reason != first.reason and (each.start or not agrees):
-                pair = each.wish.attribute.word, first.wish.attribute.word
-                self._lost.setdefault(pair, {})[each.key] = None
-        return Agreement(lower, upper, winners)
 
 
 def reason_of(attribute: Attribute, phrase: str) -> str:
@@ -114,74 +108,55 @@ def reason_of(attribute: Attribute, phrase: str) -> str:
     return f"'{attribute.word}'{what}" + (f" ({phrase})" if plain else "")
 
 
-_OF_SHADOWS = ("size", "angle")  # their search starts well inside the range: shadow edges give weak gradients
-_WELL_INSIDE = 0.75  # share of the range from its end nearer to the artist's value, on a log scale
 _FOG = "volume/density"
-_RELATIVE = ("shade", "times", "plus", "near", "lightness")  # modes that start from the present value
-_SEEN_GLOW = 0.02  # emission above which a material visibly glows
 _GRADES = {
     "film/contrast": (0.8, 1.3), "film/saturation": (0.0, 1.45), "film/vignette": (0.0, 0.5),
     "film/lift": (0.94, 1.06), "film/midtone": (0.85, 1.15), "film/gain": (0.8, 1.2),
 }  # fmt: skip
 """Limits of the grade next to a rig, whose light already makes most of the look."""
-_FAINT = 0.1  # share of its least power at which a light begins that a further sentence adds
-_SECOND = 6  # added to the priority number of what a mood implies: the prompt's own words come first
 
 
-def plan(
-    goals: Goals,
-    instances: dict[str, Instance],
-    scene: SceneDescription,
-    vocabulary: Vocabulary | None = None,
-    light: LightPlan | None = None,
-) -> Plan:
+def plan(goals: Goals, instances: dict[str, Instance], scene: SceneDescription, light: LightPlan | None = None) -> Plan:
     """The plan of a scene: for each of its parameters, given by key, how far the search may move it, and why.
 
     A parameter that words name gets a range, into which its value is moved, and a priority. A few others may move a little to
     keep the subject visible. The rest keeps the artist's value.
     """
     light = light or LightPlan()
-    planner = _Planner(goals, instances, scene, vocabulary or default_vocabulary(), light)
+    planner = _Planner(goals, instances, scene, light)
     entries = planner.entries()
     lit = {key: entry for key, entry in light.entries.items() if not planner.instances[key].locked}
     if any(planner.owners.gives_backdrop(*act) for act in planner.acts):  # it replaces the rig's sky
         lit = {key: entry for key, entry in lit.items() if not key.startswith("world/backdrop_")}
     entries |= lit
     support = supports(goals.parsed, planner.instances, planner.sources, entries, planner.owners)
-    if goals.holds:  # of the supports a further sentence keeps only exposure and added lights
-        entries |= _faint(entries, planner.instances, scene.added_lights)
+    if goals.holds:
+        for name in scene.added_lights:  # a light that a further sentence adds starts faint next to the present light
+            if power := entries.get(f"light/{name}/power"):
+                faint = tuple(0.1 * v for v in power.lower)
+                entries[f"light/{name}/power"] = replace(power, lower=faint, start=faint, prior=0.0)
+        # of the supports a further sentence keeps only exposure and added lights
         support = {k: e for k, e in support.items() if k == "film/exposure" or e.prior == 0.0}
     if light.served:  # the rig sets the exposure; a limited grade keeps the contrast and colors of its light
         fog = entries.get(_FOG)
         if not (fog and fog.is_named):  # fog takes light, see `optimize.vector`
             support.pop("film/exposure", None)
-        graded = {key: ends for key, ends in _GRADES.items() if key in entries and entries[key].is_named}
-        entries |= {key: _mild(entries[key], *ends) for key, ends in graded.items()}
+        for key, (low, high) in _GRADES.items():
+            entry = entries.get(key)
+            if entry and entry.is_named:
+                ends = entry.lower, entry.upper, entry.start or ()
+                lower, upper, start = (tuple(min(max(v, low), high) for v in end) for end in ends)
+                # usual: it does not open while claims are missed
+                entries[key] = replace(entry, lower=lower, upper=upper, start=start or None, usual=True)
     entries |= support
     decided = Plan({key: entries[key] for key in instances}, tuple(dict.fromkeys(planner.notes)))
     return plan_with_picture(decided, goals, planner.instances, planner.vocabulary)
 
 
-def _faint(
-    entries: Mapping[str, PlanEntry], instances: Mapping[str, Instance], added: Collection[str]
-) -> dict[str, PlanEntry]:
-    """Entries for the power of added lights, which start faint next to the present light."""
-    power = (k for k in entries if instances[k].parameter.family == "light/power" and instances[k].owner in added)
-    lows = {key: tuple(_FAINT * v for v in entries[key].lower) for key in power}
-    return {key: replace(entries[key], lower=low, start=low, prior=0.0) for key, low in lows.items()}
-
-
 class _Planner:
-    def __init__(
-        self,
-        goals: Goals,
-        instances: dict[str, Instance],
-        scene: SceneDescription,
-        vocabulary: Vocabulary,
-        light: LightPlan,
-    ) -> None:
+    def __init__(self, goals: Goals, instances: dict[str, Instance], scene: SceneDescription, light: LightPlan) -> None:
         parsed = self.parsed = goals.parsed
-        self.vocabulary = vocabulary
+        self.vocabulary = default_vocabulary()
         self.instances = {key: protected(i, parsed) for key, i in instances.items()}
         self.owners = Owners(parsed, self.instances, scene)
         stops = [i.value[0] for i in instances.values() if i.parameter.name in ("exposure", "grade_exposure")]
@@ -189,32 +164,32 @@ class _Planner:
         self.notes = [*parsed.notes, *goals.notes()]
         self.agreed = Agreements()
         self.kept: dict[str, list[str]] = {}
-        self.acts = [*acts(goals_without_rig(goals, light), vocabulary, self.owners), *grade_of(light)]
-        self.of_materials = self._of_materials()
+        self.acts = [*acts(goals_without_rig(goals, light), self.owners), *grade_of(light)]
+        # key -> the value that a parameter gets from a material that a word names, as "oak"
+        self.of_materials: dict[str, Values] = {}
+        for wish, effect in self.acts:
+            if wish.attribute.slot == "material" and effect.mode in ("", "color"):
+                for instance in self.owners.of(effect, wish.attribute):
+                    given = effect, wish.attribute, instance, self.sources
+                    own = painted(*given) if effect.color else within(instance.value, *effect_range(*given))
+                    self.of_materials[instance.key] = own
 
     def entries(self) -> dict[str, PlanEntry]:
         """An entry for every instance, from the words alone."""
         for stage in range(STAGES):
             due = [(wish, effect) for wish, effect in self.acts if stage_of(effect) == stage]
             self.agreed.add([each for wish, effect in due for each in self._ranges(wish, effect)])
-            self._note_sources()
+            scene, key = self.sources.scene, self.owners.lights.key
+            facing = facing_radiance(self.instances, scene, self.agreed.value, key)
+            world = backdrop = self._world("", scene.environment_luminance)
+            if BACKDROP in self.instances:
+                backdrop = self._world("backdrop_", scene.backdrop_luminance)
+            self.sources = replace(self.sources, key=facing, world=world, backdrop=backdrop)
         entries = {key: self._entry(instance) for key, instance in self.instances.items()}
         self.notes += [*self.agreed.notes(), *self._unmet()]
         for reason, keys in self.kept.items():
             self.notes.append(f"{LEFT_ALONE}: {labels.titles(keys)} ({reason}).")
         return entries
-
-    def _of_materials(self) -> dict[str, Values]:
-        """Key -> the value that a parameter gets from a material that a word names, as "oak"."""
-        found = {}
-        for wish, effect in self.acts:
-            if wish.attribute.slot != "material" or effect.mode not in ("", "color"):
-                continue
-            for instance in self.owners.of(effect, wish.attribute):
-                given = effect, wish.attribute, instance, self.sources
-                own = painted(*given) if effect.color else within(instance.value, *effect_range(*given))
-                found[instance.key] = own
-        return found
 
     def _unmet(self) -> list[str]:
         """Notes on words whose main effect has nothing to change in the scene, as "rim light" in a scene with one light."""
@@ -235,12 +210,14 @@ class _Planner:
     def _ranges(self, wish: Wish, effect: Effect) -> Iterator[WishedRange]:
         """The ranges that one effect of a wish asks for, one for each parameter that it changes."""
         for instance in self.owners.of(effect, wish.attribute):
+            # modes that start from the present value
+            relative = effect.mode in ("shade", "times", "plus", "near", "lightness")
             is_added = instance.owner in self.sources.scene.added_lights
             if is_added and effect.mode == "times" and effect.name == "power":
                 if effect.lower[0] >= 1.0:  # a new light has no earlier power that it could exceed
                     continue
                 instance = replace(instance, value=added_power(instance, self.sources))
-            elif effect.mode in _RELATIVE and instance.key in self.of_materials:
+            elif relative and instance.key in self.of_materials:
                 instance = replace(instance, value=self.of_materials[instance.key])
             yield self._range(wish, effect, instance)
 
@@ -254,37 +231,18 @@ class _Planner:
         glows = effect.family == "material/emission" and not effect.mode and effect.lower[0] > 0
         if glows and wish.strength >= 1 and self._glow(instance.owner) > lower[0]:
             upper = max(upper, instance.value)  # a glow that is already stronger than asked for may stay
-        return WishedRange(
-            instance.key,
-            lower,
-            upper,
-            wish,
-            reason_of(attribute, shown.phrase if shown else ""),
-            effect.weak,
-            self._priority(wish, effect, instance),
-            is_usual(wish, effect),
-            start=named_color(effect, attribute, instance, sources) if effect.color else None,
-            # A film's cast, and light that moves around its color, may change hue; a material keeps its hue.
-            any_hue=effect.mode == "cast" or (effect.mode == "near" and OWNERS[effect.owner] != "material"),
-        )
-
-    def _priority(self, wish: Wish, effect: Effect, instance: Instance) -> int:
-        """The priority of a range; the smaller, the more important."""
-        light = f"{GLOW}{instance.owner}" if instance.parameter.group == "material" else instance.owner
-        of_others = effect.owner == "lights" and light not in self.owners.lights.key
+        lamp = f"{GLOW}{instance.owner}" if instance.parameter.group == "material" else instance.owner
+        late = 2 * effect.weak + 2 * (effect.owner == "lights" and lamp not in self.owners.lights.key)
         # A named color comes before a word that only changes a color: "a teal ball, the ball darker".
-        changes = effect.mode == "times" and instance.parameter.kind == "color"
-        late = 2 * effect.weak + 2 * of_others + changes
-        return effect.priority + late + (_SECOND if wish.implied else 0)
-
-    def _note_sources(self) -> None:
-        scene, key = self.sources.scene, self.owners.lights.key
-        facing = facing_radiance(self.instances, scene, self.agreed.value, key)
-        self.sources = replace(self.sources, key=facing)
-        world = backdrop = self._world("", scene.environment_luminance)
-        if BACKDROP in self.instances:
-            backdrop = self._world("backdrop_", scene.backdrop_luminance)
-        self.sources = replace(self.sources, world=world, backdrop=backdrop)
+        late += effect.mode == "times" and instance.parameter.kind == "color"
+        # The prompt's own words come before what a mood implies.
+        late += 6 * wish.implied
+        reason = reason_of(attribute, shown.phrase if shown else "")
+        ranks = effect.weak, effect.priority + late, is_usual(wish, effect)
+        start = named_color(effect, attribute, instance, sources) if effect.color else None
+        # A film's cast, and light that moves around its color, may change hue; a material keeps its hue.
+        any_hue = effect.mode == "cast" or (effect.mode == "near" and OWNERS[effect.owner] != "material")
+        return WishedRange(instance.key, lower, upper, wish, reason, *ranks, start, any_hue)
 
     def _world(self, part: str, level: float) -> WorldLook:
         """The look of the world (`part` "") or of its backdrop by the ranges so far; `level` is its image's mean luminance."""
@@ -294,12 +252,11 @@ class _Planner:
         return WorldLook(tuple(v * level for v in self.agreed.value(tint)), level) if tint else WorldLook()
 
     def _own_color(self, owner: str) -> tuple[float, ...]:
-        named = [a for a in self.parsed.attributes if a.kind == "subject" and a.color and not a.negated]
-        if named and named[0].color:
-            return named[0].color
-        # else the color of the material itself
+        """The sRGB color that words give the subject, or else that of a material."""
+        named = (a.color for a in self.parsed.attributes if a.kind == "subject" and a.color and not a.negated)
         found = (self.instances.get(f"material/{owner}/{name}") for name in ("base_color", "tint"))
-        return next((srgb_from_linear(self.agreed.value(i)) for i in found if i), (1.0, 1.0, 1.0))
+        own = (srgb_from_linear(self.agreed.value(i)) for i in found if i)
+        return next(named, None) or next(own, (1.0, 1.0, 1.0))
 
     def _glow(self, owner: str) -> float:
         """The artist's emission of a material, times the largest component of its color; 0 without one."""
@@ -317,35 +274,18 @@ class _Planner:
         if instance.parameter.family == "material/emission_color":
             # Many materials have a strength of 1 and a black emission color.
             asked = self.agreed.of.get(f"material/{instance.owner}/emission")
-            if max(asked.upper[0] if asked else 0.0, self._glow(instance.owner)) <= _SEEN_GLOW:
+            if max(asked.upper[0] if asked else 0.0, self._glow(instance.owner)) <= 0.02:
                 return PlanEntry.kept(instance, "does not glow: keeps the artist's value")
         lower, upper = clip(settled.lower, settled.upper, instance)
         winners = settled.winners
-        return PlanEntry(
-            lower,
-            upper,
-            min(d.priority for d in winners),
-            "; ".join(dict.fromkeys(d.reason for d in winners)),
-            prior=0.0,
-            usual=all(d.weak for d in winners),
-            any_hue=winners[0].any_hue,
-            start=_start(instance, winners[0], lower, upper),
-        )
-
-
-def _mild(entry: PlanEntry, low: float, high: float) -> PlanEntry:
-    """A named range, limited to [low, high]; it does not open while claims are missed."""
-    lower, upper = (tuple(min(max(v, low), high) for v in end) for end in (entry.lower, entry.upper))
-    start = entry.start and tuple(min(max(v, low), high) for v in entry.start)
-    return replace(entry, lower=lower, upper=upper, start=start, usual=True)
-
-
-def _start(instance: Instance, first: WishedRange, lower: Values, upper: Values) -> Values | None:
-    """The value at which the search starts; None for the artist's value, projected into the range."""
-    moved = not math.isclose(instance.value[0], within(instance.value, lower, upper)[0], rel_tol=1e-6)
-    if instance.parameter.name in _OF_SHADOWS and moved:
-        near, far = (lower, upper) if instance.value < lower else (upper, lower)
-        return (near[0] ** (1 - _WELL_INSIDE) * far[0] ** _WELL_INSIDE,)
-    if instance.key == _FOG and instance.value < lower:  # at the low end hardly any fog is visible
-        return (math.sqrt(lower[0] * upper[0]),)
-    return first.start and within(first.start, lower, upper)
+        start = winners[0].start and within(winners[0].start, lower, upper)
+        moved = not math.isclose(instance.value[0], within(instance.value, lower, upper)[0], rel_tol=1e-6)
+        if instance.parameter.name in ("size", "angle") and moved:
+            # well inside the range, on a log scale: shadow edges give weak gradients
+            near, far = (lower, upper) if instance.value < lower else (upper, lower)
+            start = (near[0] ** 0.25 * far[0] ** 0.75,)
+        elif instance.key == _FOG and instance.value < lower:  # at the low end hardly any fog is visible
+            start = (math.sqrt(lower[0] * upper[0]),)
+        most, reason = min(d.priority for d in winners), "; ".join(dict.fromkeys(d.reason for d in winners))
+        usual, any_hue = all(d.weak for d in winners), winners[0].any_hue
+        return PlanEntry(lower, upper, most, reason, 0.0, usual=usual, any_hue=any_hue, start=start)

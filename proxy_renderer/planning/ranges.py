@@ -13,28 +13,20 @@ from .light_levels import Range, Sources, kelvin_color, radiance, watts
 
 _BLACKEST, _WHITEST = 0.006, 0.85  # linear reflectance: hardly any real surface reflects less, or more
 _BLACK = 0.02  # linear component up to which a backdrop is black
-_SEEN = 0.7  # least relative distance from gray of a color that tints the film: pale ones are strengthened
-_DEEP = 0.4  # largest display component below which a color's range is narrower: dark hues are nearer
 _MOOD = 0.6  # factor on a tint that light, air and film share: objects keep some color of their own
-_BOX = 0.06  # half the width of a color's range, in display components (linear to the power 1/2.2)
 _LESS, _MORE = (0.65, -0.1), (1.35, 0.15)
 """Lower and upper end of a surface's range: factor on the named color's display components, and what is added to them. The range
 is wide: claims find the color in it that looks as named under the scene's light and view."""
-_SHOWN = (0.5, 3.0)  # least and largest strength of a backdrop, times its color's largest component
 _GLOW = (0.8, 0.0), (1.0, 0.1)  # as `_LESS` and `_MORE`, for the color of a glow, whose strength is separate
-_CAST, _EVEN = (0.6, 1.5), 0.01  # least and largest cast of the film, times the usual one; component's margin
-_DARKER, _LIGHTER = {"darker"}, {"lighter", "paler"}
 _STEP = 0.6  # luminance of a color that is clearly darker than another, as a share of the other's
 OWN_COLOR = ("base_color", "tint")  # parameters that hold a material's color
-_NEUTRAL_BOX = 0.02  # as `_BOX`, for white and gray: a little tint makes them another color
 
 
 def named_color(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Values | None:
     """The linear color that a word gives to a surface, a glow or the visible background; None for other effects and parameters."""
     seen = effect.mode == "shown" and (effect.color in ("@", "own") or instance.parameter.group == "world")
-    if instance.parameter.kind == "color" and (seen or (effect.mode == "color" and effect.color == "@")):
-        return painted(effect, attribute, instance, sources)
-    return None
+    names = instance.parameter.kind == "color" and (seen or (effect.mode == "color" and effect.color == "@"))
+    return painted(effect, attribute, instance, sources) if names else None
 
 
 def color_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
@@ -50,30 +42,40 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
         return _shown_strength(srgb, instance, sources)
     if effect.mode == "cast":
         amount = _MOOD * 0.2 if attribute.kind in ("ambience", "fog") else 0.2
-        cast = _cast(linear_from_srgb(srgb), 0.06 if instance.parameter.name == "lift" else amount)
-        faint, strong = (tuple(1 + share * (v - 1) for v in cast) for share in _CAST)
+        amount = 0.06 if instance.parameter.name == "lift" else amount
+        # factors (R, G, B) around 1; a pale color gets a visible cast, too
+        gel = _gel(linear_from_srgb(srgb), 1.0)
+        mean = sum(gel) / 3
+        away = [(v - mean) / max(mean, 0.2) for v in gel]
+        most = max(map(abs, away))
+        scale = amount * max(most, 0.7) / most if most > 0.02 else 0.0
+        cast = [1 + scale * v for v in away]
+        faint, strong = (tuple(1 + share * (v - 1) for v in cast) for share in (0.6, 1.5))
         lower, upper = tuple(map(min, faint, strong)), tuple(map(max, faint, strong))
-        return tuple(v - _EVEN for v in lower), tuple(v + _EVEN for v in upper)
-    return _box(painted(effect, attribute, instance, sources))
+        return tuple(v - 0.01 for v in lower), tuple(v + 0.01 for v in upper)
+    # All colors that look about like it: an equal margin in each display component. It is smaller for dark hues, which are
+    # nearer, and for white and gray, which a little tint makes another color.
+    shown = [max(v, 0.0) ** (1 / 2.2) for v in painted(effect, attribute, instance, sources)]
+    neutral = max(shown) - min(shown) < 0.02 and min(shown) > 0.25
+    half = 0.02 if neutral else 0.06 * min(max(max(shown) / 0.4, 0.5), 1.0)
+    return tuple(max(v - half, 0.0) ** 2.2 for v in shown), tuple((v + half) ** 2.2 for v in shown)
 
 
 def painted(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Values:
     """The linear color that an effect asks for, in the form that its parameter stores: as a gel, an albedo or a tint."""
     srgb = _color_of(effect, attribute, sources)
+    linear = linear_from_srgb(srgb)
     if effect.mode == "gel":
         muted = 1.0 - min(srgb) / max(max(srgb), 1e-6)  # a muted color tints the light only a little
-        linear = _gel(linear_from_srgb(srgb), 0.9 * (_MOOD * muted if attribute.kind == "ambience" else 1.0))
+        linear = _gel(linear, 0.9 * (_MOOD * muted if attribute.kind == "ambience" else 1.0))
     elif effect.mode == "albedo":
         # fog scatters many times: it is paler and much brighter than the color it is named for; black fog is smoke
         pale = linear_from_srgb(fog_color(srgb))
-        darkness = min(luminance(linear_from_srgb(srgb)) * 12 + 0.25, 0.95)
+        darkness = min(luminance(linear) * 12 + 0.25, 0.95)
         linear = tuple(v * darkness / max(pale) for v in pale)
     elif effect.mode == "shown":
-        linear = linear_from_srgb(srgb)
         linear = tuple(v / max(linear) for v in linear) if max(linear) > _BLACK else linear
-    else:
-        # no real surface reflects nothing, or all
-        linear = linear_from_srgb(srgb)
+    else:  # no real surface reflects nothing, or all
         most = min(_WHITEST / max(*linear, 1e-6), 1.0)
         linear = tuple(max(most * v, _BLACKEST) for v in linear)
     if instance.parameter.family == "material/tint":
@@ -100,40 +102,10 @@ def shaded(srgb: Values, attribute: Attribute) -> Values:
     return srgb
 
 
-def beyond_present(low: Values, high: Values, attribute: Attribute, instance: Instance) -> Range:
-    """A range of linear colors, moved to the side of the present color that "darker walnut" or "paler oak" asks for."""
-    said = {*(attribute.english or attribute.word).split()}
-    present = luminance(instance.value)
-    factor = 1.0
-    if said & _DARKER:
-        factor = min(_STEP * present / max(luminance(high), 1e-6), 1.0)
-    elif said & _LIGHTER:
-        factor = max(present / _STEP / max(luminance(low), 1e-6), 1.0)
-    return tuple(v * factor for v in low), tuple(v * factor for v in high)
-
-
-def _box(linear: Values) -> Range:
-    """The range of colors that look about like a linear color: an equal margin in each display component."""
-    shown = [max(v, 0.0) ** (1 / 2.2) for v in linear]
-    neutral = max(shown) - min(shown) < _NEUTRAL_BOX and min(shown) > 0.25
-    half = _NEUTRAL_BOX if neutral else _BOX * min(max(max(shown) / _DEEP, 0.5), 1.0)
-    return tuple(max(v - half, 0.0) ** 2.2 for v in shown), tuple((v + half) ** 2.2 for v in shown)
-
-
 def _gel(linear: Values, purity: float) -> Values:
     """The color with its largest component at 1, and not fully saturated: filters and fog never are."""
     top = max(linear)
     return tuple(1 - purity * (1 - v / top) for v in linear) if top > 0.01 else (1.0, 1.0, 1.0)
-
-
-def _cast(linear: Values, amount: float) -> Values:
-    """Factors (R, G, B) around 1 by which the film gets a cast of a linear color; a pale color gets a visible cast, too."""
-    gel = _gel(linear, 1.0)
-    mean = sum(gel) / 3
-    away = [(v - mean) / max(mean, 0.2) for v in gel]
-    most = max(map(abs, away))
-    scale = amount * max(most, _SEEN) / most if most > 0.02 else 0.0
-    return tuple(1 + scale * v for v in away)
 
 
 def _shown_strength(srgb: Values, instance: Instance, sources: Sources) -> Range:
@@ -143,16 +115,11 @@ def _shown_strength(srgb: Values, instance: Instance, sources: Sources) -> Range
         ends = tuple(radiance(goal, scene.view) for goal in (88.0, 93.0))
     else:
         bright = max(linear_from_srgb(srgb))
-        ends = tuple(share * bright for share in _SHOWN) if bright > _BLACK else (0.0, 1.0)
+        ends = (0.5 * bright, 3.0 * bright) if bright > _BLACK else (0.0, 1.0)
     picture = sources.world.picture
     return tuple((min(v / 2**sources.exposure / picture, 10.0),) for v in ends)  # type: ignore[return-value]
 
 
-_MIDDLE = 45.0  # L* that neither brightens nor darkens; "slightly" moves towards it
-_IN_PLACE_OF_KEY = Effect("world", "strength", "lightness", (62.0,), (88.0,))
-_LEAST_COMPONENT = 0.25  # least divisor of a tint, relative to a glow's largest component
-_NEUTRAL, _KELVIN, _WARM_TO_COOL = 6500.0, (1200.0, 16000.0), (2700.0, 11000.0)
-_OFF_WHITE = 50.0  # degrees of hue from warm and from cool light, beyond which a glow has no temperature
 _AS_NAMED = (
     "azimuth", "elevation", "rotation", "ior", "base_color", "color", "specular_tint", "tint", "backdrop_color",
     "backdrop_tint",
@@ -174,7 +141,14 @@ def effect_range(effect: Effect, attribute: Attribute, instance: Instance, sourc
     else:
         low, high = _MODES.get(effect.mode, _plain)(effect, attribute.strength, instance, sources)
     if attribute.shades and effect.name in OWN_COLOR:
-        low, high = beyond_present(low, high, attribute, instance)
+        # "darker walnut" and "paler oak" lie on that side of the present color
+        said = (attribute.english or attribute.word).split()
+        present, factor = luminance(instance.value), 1.0
+        if "darker" in said:
+            factor = min(_STEP * present / max(luminance(high), 1e-6), 1.0)
+        elif "lighter" in said or "paler" in said:
+            factor = max(present / _STEP / max(luminance(low), 1e-6), 1.0)
+        low, high = tuple(v * factor for v in low), tuple(v * factor for v in high)
     if instance.parameter.name == "emission_color" and effect.family.startswith("light/"):
         low, high = _over_glow(low, high, _computed_glow(instance, sources))
     if effect.family == "material/emission" and not effect.mode and instance.owner in sources.scene.emitters:
@@ -221,7 +195,7 @@ def _over_glow(low: Values, high: Values, own: Values) -> Range:
     """The range of tints that turn a glow's computed mean color, `own`, into the colors of a range, as far as it allows."""
     if max(own) - min(own) < 1e-3:
         return low, high
-    least = _LEAST_COMPONENT * max(*own, 1e-6)
+    least = 0.25 * max(*own, 1e-6)
     tints = [
         tuple(w / max(v, least) for w, v in zip(wanted * (3 // len(wanted)), own, strict=True))
         for wanted in (low, high)
@@ -235,10 +209,10 @@ def _glow_color(effect: Effect, strength: float, instance: Instance, sources: So
     computed = _computed_glow(instance, sources)
     color = tuple(a * b for a, b in zip(instance.value, computed, strict=True))
     own = srgb_from_linear(tuple(v / max(*color, 1e-6) for v in color))
-    vivid = all(hue_apart(own, srgb_from_linear(kelvin_color(k))) > _OFF_WHITE for k in _WARM_TO_COOL)
-    ends = scaled(effect.lower[0], effect.upper[0], _NEUTRAL, strength, _KELVIN)
+    ends = scaled(effect.lower[0], effect.upper[0], 6500.0, strength, (1200.0, 16000.0))
     tints = [kelvin_color(k) for k in ends]
-    if vivid:
+    # its hue is far, in degrees, from those of warm and of cool light
+    if all(hue_apart(own, srgb_from_linear(kelvin_color(k))) > 50.0 for k in (2700.0, 11000.0)):
         tints = [tuple(a * b for a, b in zip(color, tint, strict=True)) for tint in tints]
     return tuple(map(min, *tints)), tuple(map(max, *tints))
 
@@ -253,7 +227,8 @@ def _plain(effect: Effect, strength: float, instance: Instance, _: Sources) -> R
     for low, high in zip(effect.lower, effect.upper, strict=True):
         a, b = scaled(there(low), there(high), there(parameter.default), strength, limits)
         pairs.append((back(a) * unit, back(b) * unit))
-    return tuple(a for a, _ in pairs), tuple(b for _, b in pairs)
+    lower, upper = zip(*pairs, strict=True)
+    return lower, upper
 
 
 def _times(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
@@ -294,31 +269,29 @@ def _shade(effect: Effect, strength: float, instance: Instance, _: Sources) -> R
 
 
 def _lightness(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
-    low, high = scaled(effect.lower[0], effect.upper[0], _MIDDLE, strength, (0.5, 97.0))
+    # L* 45 neither brightens nor darkens.
+    low, high = scaled(effect.lower[0], effect.upper[0], 45.0, strength, (0.5, 97.0))
     if instance.parameter.kind == "color":
         light, a, b = lab_from_srgb(srgb_from_linear(instance.value))
-        shades = [
-            linear_from_srgb(srgb_from_lab((goal, a * _fade(goal, light), b * _fade(goal, light))))
-            for goal in (low, high)
-        ]
+        fades = [(goal, min(1.0, goal / max(light, 10.0))) for goal in (low, high)]  # darker colors have less chroma
+        shades = [linear_from_srgb(srgb_from_lab((goal, a * fade, b * fade))) for goal, fade in fades]
         return tuple(map(min, *shades)), tuple(map(max, *shades))
-    scene = sources.scene
+    scale = _per_radiance(instance, sources) / 2**sources.exposure
+    return tuple((radiance(goal, sources.scene.view) * scale,) for goal in (low, high))  # type: ignore[return-value]
+
+
+def _per_radiance(instance: Instance, sources: Sources) -> float:
+    """The strength of the world, or of a light, at which a white surface that faces it has a radiance of 1."""
     if instance.parameter.group == "world":
-        scale = 1 / max(luminance(sources.world.color), 1e-3)
-    else:
-        scale = watts(instance, scene) * instance.reference
-    scale /= 2**sources.exposure
-    return (radiance(low, scene.view) * scale,), (radiance(high, scene.view) * scale,)
+        return 1 / max(luminance(sources.world.color), 1e-3)
+    return watts(instance, sources.scene) * instance.reference
 
 
 def _share(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
-    """Strengths that give shares of the key's light; in a scene without a key, the lightness of `_IN_PLACE_OF_KEY`."""
+    """Strengths that give shares of the key's light; in a scene without a key, L* 62 to 88."""
     if not sources.key:
-        return _lightness(_IN_PLACE_OF_KEY, 1.0, instance, sources)
-    if instance.parameter.group == "world":
-        scale = sources.key / max(luminance(sources.world.color), 1e-3)
-    else:
-        scale = sources.key * watts(instance, sources.scene) * instance.reference
+        return _lightness(Effect("world", "strength", "lightness", (62.0,), (88.0,)), 1.0, instance, sources)
+    scale = sources.key * _per_radiance(instance, sources)
     return (effect.lower[0] * scale,), (effect.upper[0] * scale,)
 
 
@@ -326,11 +299,6 @@ def facing_white(instance: Instance, low: float, high: float, sources: Sources) 
     """The range of a light's power at which a white surface that faces it is displayed with L* from `low` to `high`."""
     effect = Effect("light", "power", "lightness", (low,), (high,))
     return clip(*_lightness(effect, 1.0, instance, sources), instance)
-
-
-def _fade(goal: float, light: float) -> float:
-    """Factor on the chroma of a color of lightness `light` that gets the lightness `goal`: darker colors have less chroma."""
-    return min(1.0, goal / max(light, 10.0))
 
 
 def _azimuth(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:

@@ -12,9 +12,8 @@ from collections.abc import Iterator, Mapping
 from ..color.floats import chroma, lab_from_srgb, linear_from_srgb, luminance, srgb_from_linear
 from ..goals.resolve import Goals
 from ..schema import Instance, Values
-from ..words.lexicon.entries import OWNERS, Effect, temperature
-from ..words.lexicon.vocabulary import Vocabulary
-from ..words.types import Attribute, Parsed, SceneDescription
+from ..words.lexicon.entries import OWNERS, temperature
+from ..words.types import Parsed, SceneDescription
 from .acting import Act, acts, is_usual
 from .light_levels import Range, Sources, kelvin_color, radiance
 from .owners import BACKDROP, Owners
@@ -23,33 +22,28 @@ from .types import PlanEntry
 
 _LATE = 12  # priority of exposure; smaller numbers come first, as those of what words name
 _STOPS = 1.5  # stops that exposure may change, up or down
-_LIGHTEST, _DARKEST = 75.0, 50.0
-"""L* that exposure may always bring the lightest twentieth of an image up to, and the darkest down to: a scene may be all black."""
-_KEY = (0.35, 4.0)  # multiples of the key's power; black objects need much light
 _WORLD = (0.5, 2.0)  # multiples of the strength of the world, and of its backdrop
-_FAINT = 0.1  # least multiple of the world's strength if words color the light: the world's has another color
-_SEEN = ("subject", "surroundings", "sky", "fog")  # kinds of targets that have a color of their own
 _AMBIENT = ("world/color", "world/tint")
-_SATURATION = 1.4  # largest factor on saturation if colors are named: reflections and the view bleach them
 _ADDED = (64.0, 80.0)  # L* of a white surface that faces a light that is added
 
 
 def supports(
     parsed: Parsed, instances: dict[str, Instance], sources: Sources, entries: dict[str, PlanEntry], owners: Owners
 ) -> dict[str, PlanEntry]:
-    """Key -> entry of each supporting parameter, in place of an entry that keeps the artist's value.
-
-    Parameters that words name, and locked ones, are left out. The ranges contain the artist's value, except for added lights.
-    """
-    reaches = dict(_reaches(parsed, instances, sources, owners))
-    free = {key for key in reaches if entries[key].priority is None and not instances[key].locked}
+    """Key -> entry of each supporting parameter that words do not name and that is not locked."""
     found = {}
-    for key in free:
-        (lower, upper), late, why = reaches[key]
+    for key, ((lower, upper), late, why) in _reaches(parsed, instances, sources, owners):
+        if entries[key].priority is not None or instances[key].locked:
+            continue
         ends = clip(lower, upper, instances[key])
         why = f"supports the words: {why}"
         found[key] = PlanEntry(*ends, _LATE + late, why, prior=0.5, any_hue=key in _AMBIENT)
-    return {key: found[key] for key in reaches if key in found} | _added_lights(instances, entries, sources)
+    why = "supports the words: they ask for a light that the scene lacks"
+    for key in (f"light/{name}/power" for name in sources.scene.added_lights):
+        # An added light whose power no word sets has to be visible.
+        if key in instances and entries[key].priority is None and not instances[key].locked:
+            found[key] = PlanEntry(*facing_white(instances[key], *_ADDED, sources), _LATE - 2, why, prior=0.0)
+    return found
 
 
 def _reaches(
@@ -64,12 +58,17 @@ def _reaches(
     for name in owners.lights.key:
         for key in (f"light/{name}/power", f"light/{name}/strength", f"{name}/emission"):
             if key in instances:
-                yield key, (_times(instances[key].value, _KEY), 1, "the subject is readable")
+                # black objects need much light
+                yield key, (_times(instances[key].value, (0.35, 4.0)), 1, "the subject is readable")
     of_all_light = [a for a in parsed.attributes if a.kind == "light" and not (a.negated or a.of_one_light)]
     several = any(a.is_of_another_light(b) for a in of_all_light for b in of_all_light)
-    gel = None if several else next((gel for a in of_all_light if (gel := _gel(a))), None)
+    # the sRGB color that a word gives to light, by a name or by kelvins; words such as "warm" give none
+    gels = (
+        a.color or (srgb_from_linear(kelvin_color(k)) if (k := temperature(a.entry)) else None) for a in of_all_light
+    )
+    gel = None if several else next(filter(None, gels), None)
     if "world/strength" in instances:
-        times = _WORLD if gel is None else (_FAINT, _WORLD[1])
+        times = _WORLD if gel is None else (0.1, _WORLD[1])  # less of a light of another color
         yield "world/strength", (_times(instances["world/strength"].value, times), 2, "shadows are readable")
     for key in _AMBIENT:
         if key in instances and gel is not None:
@@ -78,9 +77,10 @@ def _reaches(
             other = tuple(bright * v for v in lit)  # the light's color, as bright as the artist's
             ends = tuple(map(min, color, other)), tuple(map(max, color, other))
             yield key, (ends, 1, "the light's color is seen in shadows too")
-    colored = any(a.color and not a.negated and a.kind in _SEEN for a in parsed.attributes)
-    if colored and "film/saturation" in instances:
-        ends = _times(instances["film/saturation"].value, (1.0, _SATURATION))
+    seen = "subject", "surroundings", "sky", "fog"
+    colored = any(a.color and not a.negated and a.kind in seen for a in parsed.attributes)
+    if colored and "film/saturation" in instances:  # reflections and the view bleach colors
+        ends = _times(instances["film/saturation"].value, (1.0, 1.4))
         yield "film/saturation", (ends, 2, "the named colors are seen")
 
 
@@ -90,7 +90,8 @@ def _exposures(exposure: Instance, sources: Sources) -> Range:
     lower, upper = artist - _STOPS, artist + _STOPS
     if sources.scene.picture and sources.scene.picture.percentiles:
         darkest, _, lightest = (radiance(v, sources.scene.view) for v in sources.scene.picture.percentiles)
-        dark, light = (radiance(v, sources.scene.view) for v in (_DARKEST, _LIGHTEST))
+        # The darkest twentieth of an image may always come down to L* 50, and the lightest up to 75: a scene may be all black.
+        dark, light = (radiance(v, sources.scene.view) for v in (50.0, 75.0))
         lower = min(lower, now + min(math.log2(dark / darkest), 0.0))
         upper = max(upper, now + max(math.log2(light / lightest), 0.0))
     return (lower,), (upper,)
@@ -101,64 +102,31 @@ def _times(value: Values, multiples: tuple[float, float]) -> Range:
     return tuple(v * low for v in value), tuple(v * high for v in value)
 
 
-def _gel(attribute: Attribute) -> Values | None:
-    """The sRGB color that a word gives to light, by a name or by kelvins; None for words such as "warm"."""
-    kelvins = temperature(attribute.entry)
-    return attribute.color or (srgb_from_linear(kelvin_color(kelvins)) if kelvins else None)
-
-
 def added_power(instance: Instance, sources: Sources) -> Values:
     """The geometric mean of the powers that an added light may have."""
     (low,), (high,) = facing_white(instance, *_ADDED, sources)
     return (math.sqrt(low * high),)
 
 
-def _added_lights(
-    instances: dict[str, Instance], entries: dict[str, PlanEntry], sources: Sources
-) -> dict[str, PlanEntry]:
-    """Entries for the power of added lights that no word sets: each has to be visible."""
-    why = "supports the words: they ask for a light that the scene lacks"
-    keys = (f"light/{name}/power" for name in sources.scene.added_lights)
-    return {
-        key: PlanEntry(*facing_white(instances[key], *_ADDED, sources), _LATE - 2, why, prior=0.0)
-        for key in keys
-        if key in instances and entries[key].priority is None and not instances[key].locked
-    }
-
-
 def missing_lights(
-    goals: Goals,
-    instances: dict[str, Instance],
-    scene: SceneDescription,
-    standby: Mapping[str, str],
-    vocabulary: Vocabulary,
+    goals: Goals, instances: dict[str, Instance], scene: SceneDescription, standby: Mapping[str, str]
 ) -> list[str]:
     """Names of the standby lights that the words ask for, one for each missing role; `standby` maps a name to its role."""
     owners, roles = Owners(goals.parsed, instances, scene), list[str]()
-    for wish, effect in acts(goals, vocabulary, owners):
-        role = _asked(effect, wish.attribute, owners)
-        roles += [role] if role and role not in roles else []
-    return [next(name for name in standby if standby[name] == role) for role in roles if role in standby.values()]
+    for wish, effect in acts(goals, owners):
+        attribute = wish.attribute
+        if effect.weak or effect.mode == "times" or OWNERS[effect.owner] != "light" or attribute.lights:
+            continue
+        role = attribute.role if effect.owner in ("light", "lights") and attribute.role else effect.owner
+        if role in ("rim", "fill") and not owners.lights.of_role(role):
+            roles.append(role)
+        elif role == "others" and not owners.of(effect, attribute):
+            roles.append("fill")
+    wanted = (role for role in dict.fromkeys(roles) if role in standby.values())
+    return [next(name for name in standby if standby[name] == role) for role in wanted]
 
 
-def _asked(effect: Effect, attribute: Attribute, owners: Owners) -> str:
-    """The role of the light that an effect needs, if no light in the scene has that role; else ""."""
-    if effect.weak or effect.mode == "times" or OWNERS[effect.owner] != "light" or attribute.lights:
-        return ""
-    owner = attribute.role if effect.owner in ("light", "lights") and attribute.role else effect.owner
-    if owner in ("rim", "fill"):
-        return "" if owners.lights.of_role(owner) else owner
-    if owner == "others":
-        return "" if owners.of(effect, attribute) else "fill"
-    return ""
-
-
-_VIVID = 20.0  # chroma from which a world tints what it lights
-
-
-def asks_for_backdrop(
-    goals: Goals, instances: dict[str, Instance], scene: SceneDescription, vocabulary: Vocabulary
-) -> bool:
+def asks_for_backdrop(goals: Goals, instances: dict[str, Instance], scene: SceneDescription) -> bool:
     """True if the visible background has to differ from the world that lights the scene.
 
     That is so if words give the background a vivid color, which would tint the scene, or a lightness that contradicts the light
@@ -168,20 +136,17 @@ def asks_for_backdrop(
     owners = Owners(goals.parsed, instances, scene)
     of_world = [
         (wish, effect)
-        for wish, effect in acts(goals, vocabulary, owners)
+        for wish, effect in acts(goals, owners)
         if effect.family == "world/strength" and owners.of(effect, wish.attribute)
     ]
     seen = [act for act in of_world if act[0].attribute.kind == "surroundings" and not is_usual(*act)]
     shed = [act for act in of_world if act[0].attribute.kind not in ("surroundings", "sky")]
     shown = [wish.attribute.color for wish, effect in seen if effect.mode == "shown"]
-    tints = any(chroma(lab_from_srgb(color)) > _VIVID for color in shown if color)
-    return tints or any(_apart(one, other) for one in seen for other in shed)
-
-
-def _apart(one: Act, other: Act) -> bool:
-    """True if two effects ask for different lightness, so that no strength of the world serves both."""
-    a, b = _lightness(one), _lightness(other)
-    return a is not None and b is not None and (a[1] < b[0] or b[1] < a[0])
+    if any(chroma(lab_from_srgb(color)) > 20.0 for color in shown if color):
+        return True
+    # No strength of the world serves two effects that ask for different lightness.
+    pairs = [(a, b) for one in seen for other in shed if (a := _lightness(one)) and (b := _lightness(other))]
+    return any(a[1] < b[0] or b[1] < a[0] for a, b in pairs)
 
 
 def _lightness(act: Act) -> tuple[float, float] | None:

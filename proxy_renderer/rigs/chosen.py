@@ -1,60 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
 """The rig that a prompt asks for: a setup, changed by the other words."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ..color.floats import (
-    chroma,
-    hex_from_srgb,
-    lab_from_srgb,
-    linear_from_srgb,
-    luminance,
-    mixed,
-    srgb_from_hex,
-    srgb_from_linear,
-)
+from ..color.floats import chroma, hex_from_srgb, lab_from_srgb, mixed, srgb_from_hex, srgb_from_linear
 from ..goals.resolve import Goals
 from ..planning.light_levels import kelvin_color
-from ..schema import Values
 from ..words.attributes import is_dark
 from ..words.lexicon.languages import singular
 from ..words.lexicon.rigs import KINDS, TIMES, Modifier, Rig, RigLight, RigTable
 from ..words.lexicon.vocabulary import GLOWING, Vocabulary
 from ..words.passage import LIGHTS
 from ..words.types import Attribute
-from .combined import at_an_hour, deepened, in_a_mood, in_a_style, with_source
-from .described import (
-    BEHIND,
-    EDGES,
-    FILLS,
-    FREE,
-    DescribedLight,
-    composed,
-    described,
-    limited,
-    mirrored,
-    source_of,
-    tint_of,
-)
-from .levels import GRAY
-
-_BLACK = 1e-7  # least luminance of a sky
+from .combined import at_an_hour, deepened, in_a_mood, in_a_style, under_named_sky, with_source
+from .described import BEHIND, EDGES, FILLS, FREE, DescribedLight, composed, described, limited, source_of, tint_of
 
 _STYLED = {"source": ("style", "film", "mood", "place"), "style": ("mood", "place"), "time": ("style", "film")}
 """Kind of a setup -> kinds of other setups whose darkness and grade it takes over: strip lights in a black studio."""
 _LIT = (*LIGHTS, "ambience")  # kinds of things whose color words color the rig's lights, as gels do
 _OF_LIGHT = (*_LIT, "tone", "whole", "shadow")
-_NEON = "neon "  # start of the names of colors that are colors of signs, if the rig has signs
 _PARTS = {"rim": EDGES, "fill": FILLS, "key": ("key",)}  # role of a light in words -> parts of a rig
-_COLORED = ("key", "accent", "rim")  # parts that take, in this order, colors that are for no particular light
 _DARKER, _DIMMER = "darker surface", 1.3  # entry of surroundings that are only darker, and by how many stops
 _DARK_WORDS = (_DARKER, "dark surface", "black surface", "dark surroundings", "dark")
-_HUED = 14.0  # C* from which a dark color is not black: "dark burgundy"
-_DARK, _BLACK_WORLD, _BLACK_SKY, _BLACK_OWN = 20.0, -6.5, -6.5, -10.0
-"""L* of a color up to which it is black, and the stops of a world, a sky and lights that leave all but the subject black."""
-_OF_SUN = 0.5  # what a sun has left of its own color in a mood's
 _EXPOSURES = (-2.2, 1.0)
 _PRACTICAL = "practical lamp"  # the rig of a lamp in the picture
 
@@ -108,36 +76,21 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary, anew: bool
             build.add(attribute)
         elif build.may_modify(attribute):
             build.modify(attribute, _PARTS.get(attribute.role, ("key",)))
-        elif _darkens_the_rest(attribute, said, vocabulary):
-            build.darken(attribute)
+        else:
+            build.darken(attribute, said)
     for lamp in lamps:
         build.light_up(lamp, said)
     for gel in gels:
         build.color(gel, _PARTS.get(gel.role, ()))
     moods = (a for a in said if a.cause and a.slot == "lighting" and not a.owners)
     least = min(_EXPOSURES[0], build.first.exposure)
-    rig = _under_named_sky(build.rig, said)
+    rig = under_named_sky(build.rig, said)
     first, key = ([abs(x.azimuth) > BEHIND for x in each.lights[:1]] for each in (build.first, rig))
     if first == [False] and key == [True]:
         rig = replace(rig, exposure=min(rig.exposure, table.rigs["back light"].exposure))
     rig = replace(rig, exposure=min(max(rig.exposure, least), _EXPOSURES[1]))
     served = (*build.served, *(a for a in moods if a not in build.served))
     return ChosenRig(rig, build.words, served, anew)
-
-
-def sky_color_of(said: Sequence[Attribute]) -> Values | None:
-    """sRGB of the color that words give the sky; None where they give none."""
-    skies = (a.color for a in said if a.kind == "sky" and not (a.negated or a.cause or a.owners))
-    return next(filter(None, skies), None)
-
-
-def _under_named_sky(rig: Rig, said: Sequence[Attribute]) -> Rig:
-    """A rig whose sky, if it has one, is shown in exactly the color that words give it."""
-    color = sky_color_of(said)
-    if rig.sky is None or color is None:
-        return rig
-    stops = math.log2(max(luminance(linear_from_srgb(color)), _BLACK) / GRAY)
-    return replace(rig, sky=stops, sky_color=hex_from_srgb(color))
 
 
 def _first(
@@ -173,56 +126,50 @@ class _Build:
         self.served.append(attribute)
         if other.name == self.first.name:
             self.words.setdefault(attribute.cause or attribute.word, _ALL)
-        elif not attribute.cause and other.kind == "source":
-            self.rig = with_source(self.rig, other)
-            self.words.setdefault(attribute.word, (("accent",), ("color",)))
-        elif self._is_its_sun(attribute, other):
+        if other.name == self.first.name or attribute.cause:
+            return
+        asked: Asked
+        keys = [rig.lights[0].type for rig in (self.rig, other) if rig.lights]
+        hours = other.kind in TIMES and self.first.kind in TIMES and other.has_dark_sky == self.first.has_dark_sky
+        if other.kind == "source":
+            self.rig, asked = with_source(self.rig, other), (("accent",), ("color",))
+        elif hours and keys == ["SUN", "SUN"] and self.table.is_a_light(attribute.entry, attribute.word):
+            # more about the sun of an hour: "early morning, low golden sun"
             self.rig = replace(self.rig, lights=(*other.lights[:1], *self.rig.lights[1:]))
-            self.words.setdefault(attribute.word, (("key",), ("color",)))
-        elif not attribute.cause and other.kind in TIMES and self.first.kind not in ("time", "hour"):
-            self.rig = at_an_hour(self.rig, other)
-            self.words.setdefault(attribute.word, (("key",), ("rest",)))
-        elif not attribute.cause and other.kind in _STYLED.get(self.first.kind, ()):
-            self.rig = in_a_style(self.rig, other)
-            self.words.setdefault(attribute.word, (("key",), ("contrast", "rest")))
-        elif not attribute.cause and other.kind == "mood" and self.first.kind in (*TIMES, "place"):
+            asked = ("key",), ("color",)
+        elif other.kind in TIMES and self.first.kind not in ("time", "hour"):
+            self.rig, asked = at_an_hour(self.rig, other), (("key",), ("rest",))
+        elif other.kind in _STYLED.get(self.first.kind, ()):
+            self.rig, asked = in_a_style(self.rig, other), (("key",), ("contrast", "rest"))
+        elif other.kind == "mood" and self.first.kind in (*TIMES, "place"):
             self.rig = self.rig if self._in_a_mood else in_a_mood(self.rig, other)
-            self.words.setdefault(attribute.word, (EDGES, ("rim", "color")))
-            self._in_a_mood = True
-
-    def _is_its_sun(self, attribute: Attribute, other: Rig) -> bool:
-        """True if a word says more of the sun of an hour: "early morning, low golden sun"."""
-        suns = all(light.type == "SUN" for rig in (self.rig, other) for light in rig.lights[:1])
-        same_sky = other.has_dark_sky == self.first.has_dark_sky
-        named = self.table.is_a_light(attribute.entry, attribute.word) and other.kind in TIMES
-        hour = self.first.kind in TIMES and bool(self.rig.lights and other.lights)
-        return not attribute.cause and hour and named and suns and same_sky
+            self._in_a_mood, asked = True, (EDGES, ("rim", "color"))
+        else:
+            return
+        self.words.setdefault(attribute.word, asked)
 
     def describe(self, lights: Sequence[DescribedLight]) -> None:
         """Gives the rig the lights that words describe one by one; if these are several, a source loses its other lights."""
         if len(lights) > 1 and (self.first.kind == "source" or self.first.name == "back light"):
             parts = {"key", *(light.part for light in lights)}
             self.rig = replace(self.rig, lights=tuple(x for x in self.rig.lights if x.part in parts))
-        for light in map(self._in_its_part, lights):
+        for light in lights:
+            if light.part in FREE:
+                # Without a named role it gets the part of the rig's light that has its name: in a rig for the night a lamp
+                # becomes that rig's lamp, not its moon.
+                nouns = {singular(word) for a in light.said for word in a.thing.split()}
+                named = (x.part for x in self.rig.lights if nouns & x.names)
+                light = replace(light, part=next(named, light.part))
             made = composed(light, self.rig.lights, self.table, self.vocabulary)
             others = tuple(x for x in self.rig.lights if x.part != light.part)
             self.rig = replace(self.rig, lights=(made, *others) if light.part == "key" else (*others, made))
-            if mirrored(light, self.table) and light.part != "accent":
+            if light.is_mirrored(self.table) and light.part != "accent":
                 other = "kicker" if light.part == "rim" else "accent"
                 twin = replace(made, part=other, azimuth=-made.azimuth)
                 rest = tuple(x for x in self.rig.lights if x.part != other)
                 self.rig = replace(self.rig, lights=(*rest, twin))
             for attribute in light.said:
                 self._take_described(attribute, light.part)
-
-    def _in_its_part(self, light: DescribedLight) -> DescribedLight:
-        """A described light; without a named role it gets the part of the rig's light that has its name.
-
-        A lamp in a rig for the night becomes that rig's lamp, not its moon.
-        """
-        nouns = {singular(word) for a in light.said for word in a.thing.split()}
-        named = (x.part for x in self.rig.lights if nouns & x.names)
-        return replace(light, part=next(named, light.part)) if light.part in FREE else light
 
     def _take_described(self, attribute: Attribute, part: str) -> None:
         """Records a word of a described light; a word about the key also changes the rig's contrast and exposure."""
@@ -281,27 +228,43 @@ class _Build:
         self.rig = deepened(replace(self.rig, lights=tuple(lights)), modifier, attribute.strength)
         self._take(attribute, tuple(parts), modifier.aspects)
 
-    def darken(self, attribute: Attribute) -> None:
-        """Makes everything but the subject black, or only darker if the word asks for no more."""
-        world, sky, own = _BLACK_WORLD, _BLACK_SKY, _BLACK_OWN
+    def darken(self, attribute: Attribute, said: Sequence[Attribute]) -> None:
+        """Makes everything but the subject black, or only darker if a word asks for that: "everything else falls into black"."""
+        others = attribute.thing in self.vocabulary.lists["others"]
+        around = others or attribute.kind in ("surroundings", "sky")
+        if attribute.negated or not around or (attribute.owners and not others):
+            return
+        if attribute.color is not None:
+            lab = lab_from_srgb(attribute.color)
+            dark = lab[0] < 20.0 and chroma(lab) < 14.0  # "dark burgundy" is not black
+        else:  # "darken the backdrop to a dusty teal" leaves nothing black
+            dark = attribute.entry in _DARK_WORDS and not any(a.color and a.thing == attribute.thing for a in said)
+        if not dark:
+            return
+        world = sky = -6.5  # stops that leave all but the subject black
+        own = -10.0
         if attribute.entry == _DARKER:
-            now = (-2.0 if v is None else v for v in (self.rig.world, self.rig.sky))
-            world, sky = (max(v - _DIMMER, black) for v, black in zip(now, (world, sky), strict=True))
+            world, sky = (max((-2.0 if v is None else v) - _DIMMER, -6.5) for v in (self.rig.world, self.rig.sky))
             own = min(self.rig.own, -_DIMMER)
         self.rig = replace(self.rig, sky=sky, world=world, own=own)
         self.rig = replace(self.rig, lights=tuple(x for x in self.rig.lights if x.reach != "background"))
         self._take(attribute, ("key",), ("rest",))
 
     def color(self, gel: Attribute, parts: Sequence[str]) -> None:
-        """Gives a color to the lights of some parts; without parts, to the next part of `_COLORED`."""
+        """Gives a color to the lights of some parts; without parts, first to the key, then to an accent, then to the rim."""
         if not parts:
-            parts = _COLORED[min(self._colored, 2) :][:1]
+            parts = (("key", "accent", "rim")[min(self._colored, 2)],)
             self._colored += 1
-        color = tint_of(gel, self.vocabulary)
-        lights = [
-            _tinted(light, color, gel.kind == "ambience") if light.part in parts else light
-            for light in self._with_parts(parts)
-        ]
+        lights = []
+        for light in self._with_parts(parts):
+            if light.part in parts:
+                color = tint_of(gel, self.vocabulary)
+                if gel.kind == "ambience" and light.type == "SUN" and light.kelvin:
+                    # In a mood's color a sun or moon keeps half of its own: "a quiet blue night".
+                    own = srgb_from_linear(kelvin_color(light.kelvin))
+                    color = hex_from_srgb(mixed(srgb_from_hex(color), own, 0.5))
+                light = replace(light, color=color, kelvin=0.0)
+            lights.append(light)
         self.rig = replace(self.rig, lights=tuple(lights))
         self._take(gel, tuple(parts), ("color",))
 
@@ -329,24 +292,14 @@ def _lit_lamps(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
     return list({a.owners: a for a in burn if names & {singular(word) for word in a.thing.split()}}.values())
 
 
-def _tinted(light: RigLight, color: str, by_mood: bool) -> RigLight:
-    """A light in a color "#rrggbb"; a sun or moon keeps half of its own where that is only a mood's: "a quiet blue night"."""
-    if by_mood and light.type == "SUN" and light.kelvin:
-        own = srgb_from_linear(kelvin_color(light.kelvin))
-        color = hex_from_srgb(mixed(srgb_from_hex(color), own, _OF_SUN))
-    return replace(light, color=color, kelvin=0.0)
-
-
 def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
-    """The words that stand for setups, the most important first.
-
-    A word that can also change a setup, such as "backlit", counts only if there is no other.
-    """
+    """The words that stand for setups, the most important first."""
     graded = {a.word for a in said if a.grades}
     every = [a for a in said if a.entry in table.rigs and not (a.negated or a.color or a.grades)]
     every = [a for a in every if not (table.rigs[a.entry].adds or a.cause in graded)]
     # words of the prompt come before those that a mood stands for; then the kind of the rig decides
     every.sort(key=lambda a: (bool(a.cause), KINDS.index(table.rigs[a.entry].kind)))
+    # A word that can also change a setup, such as "backlit", counts only if there is no other.
     return [a for a in every if a.entry not in table.modifiers] or every[:1]
 
 
@@ -361,20 +314,6 @@ def _gels(said: Sequence[Attribute], setups: Sequence[Attribute], table: RigTabl
     """The color words for light: those about lights, and those of neon signs, if the rig has signs."""
     colors = [a for a in said if a.color and not (a.negated or a.cause or is_dark(a))]
     signs = any(light.color for a in setups for light in table.rigs[a.entry].lights)
-    neon = {a.thing for a in said if a.color and a.entry.startswith(_NEON) and signs}
+    neon = {a.thing for a in said if a.color and a.entry.startswith("neon ") and signs}
     tubes = [a for a in said if a.color and not a.cause and a.thing in neon and a.kind not in _LIT]
     return [a for a in colors if a.kind in _LIT] + tubes
-
-
-def _darkens_the_rest(attribute: Attribute, said: Sequence[Attribute], vocabulary: Vocabulary) -> bool:
-    """True if a word makes everything dark that the rig does not light: "everything else falls into black"."""
-    others = attribute.thing in vocabulary.lists["others"]
-    around = others or attribute.kind in ("surroundings", "sky")
-    if attribute.negated or not around or (attribute.owners and not others):
-        return False
-    if attribute.color is not None:
-        lab = lab_from_srgb(attribute.color)
-        return lab[0] < _DARK and chroma(lab) < _HUED
-    # "darken the backdrop to a dusty teal" leaves nothing black
-    colored = any(a.color and a.thing == attribute.thing for a in said)
-    return attribute.entry in _DARK_WORDS and not colored

@@ -1,16 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """Combines setups of light that a prompt names together: a source, an hour, a style or a mood with another setup."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import replace
 
-from ..color.floats import hex_from_srgb, mixed, srgb_from_hex
+from ..color.floats import hex_from_srgb, linear_from_srgb, luminance, mixed, srgb_from_hex
+from ..schema import Values
 from ..words.lexicon.rigs import Modifier, Rig
+from ..words.types import Attribute
 from .described import EDGES
+from .levels import GRAY
 
-_SECOND = -1.0  # stops of another setup's key against the first one's
-_DARK_STYLE = -2.0  # stops of a world or a sky below which a style is dark
 _DIMMED = 0.6  # most stops by which an hour or a style lowers the exposure of a setup
 _MOOD, _MOST = 0.6, 0.8  # share of a mood's sky, fill and exposure that an hour takes over; most stops
+
+_SECOND = -1.0  # stops of another setup's key against the first one's
 
 
 def with_source(rig: Rig, other: Rig) -> Rig:
@@ -45,18 +50,30 @@ def at_an_hour(rig: Rig, hour: Rig) -> Rig:
     )
 
 
-def in_a_style(rig: Rig, style: Rig) -> Rig:
-    """A setup with a style's grade, and at most its exposure; also as dark around the subject as a dark style.
+def sky_color_of(said: Sequence[Attribute]) -> Values | None:
+    """sRGB of the color that words give the sky; None where they give none."""
+    skies = (a.color for a in said if a.kind == "sky" and not (a.negated or a.cause or a.owners))
+    return next(filter(None, skies), None)
 
-    Sky and world stay as they are if the setup's key is a sun, or its sky is that of an hour.
-    """
+
+def under_named_sky(rig: Rig, said: Sequence[Attribute]) -> Rig:
+    """A rig whose sky, if it has one, is shown in exactly the color that words give it."""
+    color = sky_color_of(said)
+    if rig.sky is None or color is None:
+        return rig
+    stops = math.log2(max(luminance(linear_from_srgb(color)), 1e-7) / GRAY)
+    return replace(rig, sky=stops, sky_color=hex_from_srgb(color))
+
+
+def in_a_style(rig: Rig, style: Rig) -> Rig:
+    """A setup with a style's grade, and at most its exposure; also as dark around the subject as a dark style."""
+    # Sky and world stay if the setup's key is a sun, or its sky is that of an hour.
     has_own_sky = rig.under_sky or any(light.type == "SUN" for light in rig.lights[:1])
-    darker = {
-        name: theirs if mine is None else min(mine, theirs)
-        for name in (() if has_own_sky else ("world", "sky"))
-        if (theirs := getattr(style, name)) is not None and theirs < _DARK_STYLE
-        for mine in (getattr(rig, name),)
-    }
+    darker = {}
+    for name in () if has_own_sky else ("world", "sky"):
+        mine, theirs = getattr(rig, name), getattr(style, name)
+        if theirs is not None and theirs < -2.0:  # stops
+            darker[name] = theirs if mine is None else min(mine, theirs)
     exposure = min(rig.exposure, max(style.exposure, rig.exposure - _DIMMED))
     return replace(rig, **darker, exposure=exposure, grade=(*rig.grade, *style.grade))
 

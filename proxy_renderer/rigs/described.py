@@ -2,7 +2,7 @@
 """The lights that a prompt describes one by one, each as a light of a rig: what it is, where it comes from, its color and strength."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from ..color.floats import hex_from_srgb, mixed
@@ -15,19 +15,9 @@ from ..words.types import Attribute
 EDGES = ("rim", "kicker")  # parts that draw an edge from behind
 FILLS = ("fill", "bounce")  # parts that open the shadows
 FREE = ("key", "accent", "practical", "top")  # for lights whose use the prompt does not say, in order
-_TEMPLATES = {
-    "rim": "rim light", "kicker": "kicker light", "fill": "fill light", "bounce": "bounce light",
-    "background": "background light",
-}  # fmt: skip
-"""Part -> the rig that adds a light of that part."""
 # azimuth from the camera, in degrees, beyond which a light draws edges and leaves the visible side dark
 BEHIND = 120.0
-# degrees: an edge light at an azimuth between these moves to the latter, behind the subject
-_FRONT, _EDGE = 20.0, 128.0
-_OPPOSITE = 100.0  # azimuth, in degrees, of a light without a named place, on the side opposite to the key
-# factor on the stops of "faint" for lights but the key; stops of a second free light
-_SOFTER, _OF_FREE = 1.6, -0.5
-_WIDEST = {"SUN": 45.0, "AREA": 5.0, "SPOT": 1.0, "POINT": 0.6}
+_EDGE = 128.0  # azimuth of an edge light behind the subject
 
 
 @dataclass(frozen=True)
@@ -38,6 +28,10 @@ class DescribedLight:
     said: tuple[Attribute, ...]
     own: str = ""
 
+    def is_mirrored(self, table: RigTable) -> bool:
+        """True if words say that the other side gets such a light too."""
+        return any(modifier.both for _, modifier in _places(self.said, table))
+
 
 def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight]:
     """The lights that a prompt describes, and does not only mention."""
@@ -47,9 +41,15 @@ def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight
         if attribute.kind in LIGHTS and not elsewhere:
             for number in attribute.phrases:
                 groups.setdefault(number, []).append(attribute)
+    # Groups that name the same source become one: "full moon ... cold moonlight".
+    merged, of_source = dict[int, list[Attribute]](), dict[str, int]()
+    for number, words in groups.items():
+        source = source_of(words, table)
+        colored = any(a.color for a in words)
+        first = number if source is None or colored else of_source.setdefault(source.entry, number)
+        merged.setdefault(first, []).extend(words)
     found: list[DescribedLight] = []
-    groups = _merged(groups, table)
-    groups = {n: words for n, words in groups.items() if _tells(words, table, len(groups))}
+    groups = {n: words for n, words in merged.items() if _tells(words, table, len(merged))}
     for words in groups.values():
         for own in dict.fromkeys(name for a in words for name in a.lights) or {"": None}:
             taken = {each.part for each in found}
@@ -59,38 +59,21 @@ def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight
     # Without a key, an edge light is the key if there is a fill, or if it is a sun: "golden hour backlight".
     parts = {light.part for light in found}
     edge = next((light for light in found if light.part in EDGES), None)
-    if "key" in parts or edge is None or (parts.isdisjoint(FILLS) and not _names_a_sun(edge.said, table)):
+    if "key" in parts or edge is None:
+        return found
+    rigs = (table.rigs[a.entry] for a in edge.said if a.entry in table.rigs and not (a.color or a.negated))
+    if parts.isdisjoint(FILLS) and not any(light.type == "SUN" for rig in rigs for light in rig.lights[:1]):
         return found
     return [replace(light, part="key") if light is edge else light for light in found]
 
 
-def _names_a_sun(words: Sequence[Attribute], table: RigTable) -> bool:
-    """True if a word of a light stands for a setup with a sun or a moon."""
-    rigs = (table.rigs[a.entry] for a in words if a.entry in table.rigs and not (a.color or a.negated))
-    return any(light.type == "SUN" for rig in rigs for light in rig.lights[:1])
-
-
-def _merged(groups: Mapping[int, list[Attribute]], table: RigTable) -> dict[int, list[Attribute]]:
-    """The groups of words by light; groups that name the same source become one: "full moon ... cold moonlight"."""
-    found: dict[int, list[Attribute]] = {}
-    of_source: dict[str, int] = {}
-    for number, words in groups.items():
-        source = source_of(words, table)
-        colored = any(a.color for a in words)
-        first = number if source is None or colored else of_source.setdefault(source.entry, number)
-        found.setdefault(first, []).extend(words)
-    return found
-
-
 def _tells(words: Sequence[Attribute], table: RigTable, lights: int) -> bool:
-    """True if words single a light out: by two sources, a direction or a light of the scene.
-
-    If there are several `lights`, one source, a role, a color or a color temperature is enough.
-    """
+    """True if words single a light out: by two sources, a direction or a light of the scene."""
     said = [a for a in words if not a.negated]
     sources = [a for a in said if _source(a, table)]
     if len(sources) > 1 or _places(said, table) or any(a.lights for a in said):
         return True
+    # If there are several `lights`, one source, a role, a color or a color temperature is enough.
     colored = bool(sources) or any(a.role or a.color for a in said)
     return lights > 1 and (colored or any((m := table.modifier(a.entry)) and m.kelvin for a in said))
 
@@ -114,7 +97,15 @@ def _parts_for(words: Sequence[Attribute], table: RigTable, lights: int) -> tupl
 def composed(light: DescribedLight, lights: Sequence[RigLight], table: RigTable, vocabulary: Vocabulary) -> RigLight:
     """The light that words describe; it replaces the rig's own light of that part, if `lights` has one."""
     base, key = (next((x for x in lights if x.part == part), None) for part in (light.part, "key"))
-    made = _placed(_template(light, base, key, table), light, table)
+    made = _template(light, base, key, table)
+    azimuth, elevation = _direction(light.said, table)
+    if azimuth is not None and not (light.part in FILLS and azimuth == table.modifiers["side light"].azimuth):
+        # An edge light on a side stands there behind the subject, and a fill "from the side" stays on the dark side.
+        if light.part in EDGES and 20.0 < abs(azimuth) < _EDGE:
+            azimuth = math.copysign(_EDGE, azimuth)
+        made = replace(made, azimuth=azimuth, mirrored=False, through="")
+    if elevation is not None:
+        made = replace(made, elevation=elevation)
     if any((m := table.modifier(a.entry)) and m.kelvin and not a.negated for a in light.said):
         made = replace(made, color="")  # "cold backlight" where the rig has an orange one
     if light.own and base in table.plain.lights and source_of(light.said, table) is None:
@@ -128,13 +119,8 @@ def composed(light: DescribedLight, lights: Sequence[RigLight], table: RigTable,
         elif modifier:
             made = replace(modifier, azimuth=None, elevation=None).change(made, attribute.strength)
     if light.part != "key":
-        made = replace(made, stops=made.stops + _SOFTER * _brighter(light.said, table, vocabulary))
+        made = replace(made, stops=made.stops + 1.6 * _brighter(light.said, table, vocabulary))
     return limited(made)
-
-
-def mirrored(light: DescribedLight, table: RigTable) -> bool:
-    """True if words say that the other side gets such a light too."""
-    return any(modifier.both for _, modifier in _places(light.said, table))
 
 
 def tint_of(attribute: Attribute, vocabulary: Vocabulary) -> str:
@@ -148,14 +134,13 @@ def tint_of(attribute: Attribute, vocabulary: Vocabulary) -> str:
 
 def limited(light: RigLight) -> RigLight:
     """A light that is at most as large as lights of its type are."""
-    return replace(light, size=min(light.size, max(_WIDEST[light.type], 1.0)))
+    widest = {"SUN": 45.0, "AREA": 5.0, "SPOT": 1.0, "POINT": 1.0}
+    return replace(light, size=min(light.size, widest[light.type]))
 
 
 def source_of(words: Sequence[Attribute], table: RigTable) -> Attribute | None:
-    """The word that names the source of a light; of several the last, and a window only if nothing else is named.
-
-    A "tungsten spot" is a spot, and moonlight from a window is the moon.
-    """
+    """The word that names the source of a light; of several the last, and a window only if nothing else is named."""
+    # A "tungsten spot" is a spot, and moonlight from a window is the moon.
     sources = [(a, lamp) for a in words if (lamp := _source(a, table))]
     lamps = [a for a, lamp in sources if lamp.type == "SUN" or not lamp.through]
     return next(reversed(lamps or [a for a, _ in sources]), None)
@@ -168,16 +153,14 @@ def _source(attribute: Attribute, table: RigTable) -> RigLight | None:
 
 
 def _template(light: DescribedLight, base: RigLight | None, key: RigLight | None, table: RigTable) -> RigLight:
-    """The light that words then change: that of the named source, else the rig's own of this part, else a plain one.
-
-    For a key, the rig's own comes first.
-    """
-    plain = (table.rigs[_TEMPLATES[light.part]] if light.part in _TEMPLATES else table.plain).lights[0]
-    stops = _OF_FREE if light.part in FREE[1:] else plain.stops
+    """The light that words then change: that of the named source, else the rig's own of this part, else a plain one."""
+    has_rig = light.part in (*EDGES, *FILLS, "background")  # one that adds a light of that part
+    plain = (table.rigs[f"{light.part} light"] if has_rig else table.plain).lights[0]
+    stops = -0.5 if light.part in FREE[1:] else plain.stops
     made = replace(base, stops=max(base.stops, stops)) if base else replace(plain, stops=stops)
     sources = [a for a in light.said if _source(a, table)]
     head = source_of(light.said, table)
-    if head and not (base and light.part == "key"):
+    if head and not (base and light.part == "key"):  # the rig's own key stays
         lamp = _source(head, table)
         assert lamp
         reach = lamp.reach if light.part in ("key", "background") else "subject"
@@ -188,24 +171,9 @@ def _template(light: DescribedLight, base: RigLight | None, key: RigLight | None
         else:
             made = replace(made, color=other.color, kelvin=other.kelvin)
     if key is not None and light.part not in ("key", "background", *EDGES):
-        away = abs(made.azimuth) if base and not head else _OPPOSITE
+        away = abs(made.azimuth) if base and not head else 100.0  # on the side opposite to the key
         made = replace(made, azimuth=-away if key.azimuth > 0 else away)
     return replace(made, part=light.part, own=light.own)
-
-
-def _placed(made: RigLight, light: DescribedLight, table: RigTable) -> RigLight:
-    """A light at the place that words give it.
-
-    An edge light on a side stands there behind the subject, and a fill "from the side" stays on the dark side.
-    """
-    azimuth, elevation = _direction(light.said, table)
-    if light.part in FILLS and azimuth == table.modifiers["side light"].azimuth:
-        azimuth = None
-    if azimuth is not None:
-        if light.part in EDGES and _FRONT < abs(azimuth) < _EDGE:
-            azimuth = math.copysign(_EDGE, azimuth)
-        made = replace(made, azimuth=azimuth, mirrored=False, through="")
-    return made if elevation is None else replace(made, elevation=elevation)
 
 
 def _places(said: Iterable[Attribute], table: RigTable) -> list[tuple[str, Modifier]]:
@@ -215,13 +183,10 @@ def _places(said: Iterable[Attribute], table: RigTable) -> list[tuple[str, Modif
 
 
 def _direction(said: Iterable[Attribute], table: RigTable) -> tuple[float | None, float | None]:
-    """Azimuth and elevation that words give a light, in degrees, or None for each.
-
-    "back left" is the mean of both directions, and "side" counts only without another one.
-    """
+    """Azimuth and elevation that words give a light, in degrees, or None for each; "back left" is the mean of both directions."""
     places = _places(said, table)
     turns = {entry: m.azimuth for entry, m in places if m.azimuth is not None}
-    if len(turns) > 1:
+    if len(turns) > 1:  # "side" counts only without another direction
         turns.pop("side light", None)
     angles = [math.radians(turn) for turn in turns.values()]
     rises = [m.elevation for _, m in places if m.elevation is not None]

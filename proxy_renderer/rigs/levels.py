@@ -22,13 +22,7 @@ from ..words.lexicon.rigs import Rig
 from .places import Placed
 from .stage import LightStage, Points
 
-WHITE = 0.8  # greatest luminance, on the display, to which a surface is lit
-_STEPS, _STEP = 48, 0.7  # number of steps, and their exponent, of the search for the light that shows a color
-_LEAST_CHANNEL, _MOST_CHANNEL = 1e-4, 0.97  # range of a channel on the display
-_PUREST = 0.08  # least channel of a light, as a share of its greatest: no view shows purer colors
-_BRIGHTEST = 16.0
-_LEAST_GAIN = 1e-3
-_PALER, _NEAR = (0.0, 0.12, 0.24, 0.36, 0.48, 0.6), 0.03  # shares of gray; error that is near enough
+_LEAST_CHANNEL = 1e-4  # on the display
 
 
 class Exposing:
@@ -39,41 +33,31 @@ class Exposing:
         chosen = film.ocio, film.display, film.view, film.look, film.working_space
         self._view = ViewTransform(*chosen, balance=film.white_balance)
         self._stops = sum(scene.value(key)[0] for key in ("film/exposure", "film/grade_exposure"))
-        self._stops += math.log2(max(film.gain, _LEAST_GAIN))
+        self._stops += math.log2(max(film.gain, 1e-3))
 
     def gray(self, luminance: float) -> float:
-        """Scene-linear radiance of a gray that is displayed with a luminance; `WHITE` at most."""
-        return self.color((min(luminance, WHITE),) * 3)[0]
+        """Scene-linear radiance of a gray that is displayed with a luminance; 0.8 at most."""
+        return self.color((min(luminance, 0.8),) * 3)[0]
 
     def color(self, displayed: Sequence[float]) -> Values:
         """Scene-linear light that is displayed as a linear color, or as a paler one of that hue where the view shows none so pure."""
-        wanted = torch.tensor(displayed, dtype=torch.float32).clamp(_LEAST_CHANNEL, _MOST_CHANNEL)
+        wanted = torch.tensor(displayed, dtype=torch.float32).clamp(_LEAST_CHANNEL, 0.97)
         gray = wanted @ wanted.new_tensor(LUMINANCE_WEIGHTS)
-        for paler in _PALER:
+        for paler in (0.0, 0.12, 0.24, 0.36, 0.48, 0.6):
             aim = light = shown = torch.lerp(wanted, gray, paler)
-            for _ in range(_STEPS):  # light that comes near the displayed color
+            for _ in range(48):  # light that comes near the displayed color
                 shown = tensors.linear_from_srgb(self._view(light).clamp(0.0, 1.0))
-                step = ((aim + _LEAST_CHANNEL) / (shown + _LEAST_CHANNEL)) ** _STEP
-                light = (light * step).clamp_max(_BRIGHTEST)
-                light = torch.maximum(light, _PUREST * light.max())
-            if float((shown - aim).abs().max()) < _NEAR:
+                step = ((aim + _LEAST_CHANNEL) / (shown + _LEAST_CHANNEL)) ** 0.7
+                light = (light * step).clamp_max(16.0)
+                light = torch.maximum(light, 0.08 * light.max())  # no view shows purer colors
+            if float((shown - aim).abs().max()) < 0.03:
                 break
         return tuple(v * 2.0**-self._stops for v in light.tolist())
 
 
 GRAY = 0.18
 _LIT = 0.5  # share of the subject that counts as its lit side
-_EDGE = 0.12  # share of the subject that an edge light reaches, and of the background that is its hot spot
-_EDGE_SHARE = 0.2  # greatest mean of an edge light on the whole subject, as a share of its brightest there
-_ALBEDOS = (0.05, 0.8)
-_KEPT_DARK, _KEPT_LIGHT = 0.42, 0.7  # exponents of the albedo in exposure; darker, lighter than gray
 _SKY_RAYS = 48
-_FILLS, _OF_FILLS = ("fill", "bounce", "top", "accent"), 0.5  # they light the lit side, too, by this share
-_WHITE = 0.7  # luminance on the display of the highlights in a normally exposed image
-_LIGHTEST = 0.93  # share of the visible points that are darker than the highlights
-_LEAST = 0.35  # least factor on lights that would overexpose the image
-_THROWN_BACK = 0.75  # greatest share of its light that a room reflects back
-_FOLLOWS = 0.7  # share of the rig's exposure that the highlights follow
 _BARELY = 1e-7
 
 
@@ -87,17 +71,9 @@ class Levels:
 
 
 def measured(
-    scene: SceneData,
-    stage: LightStage,
-    lights: Sequence[Placed],
-    values: Mapping[str, Values],
-    rig: Rig,
-    ambient: float,
+    scene: SceneData, stage: LightStage, lights: Sequence[Placed], values: dict[str, Values], rig: Rig, ambient: float
 ) -> Levels:
-    """The levels of a rig, by the light that its lights shed with trial `values`.
-
-    `ambient`, the radiance of the scene's own world, counts only for a rig that keeps the scene's own light.
-    """
+    """The levels of a rig, by the light that its lights shed with trial `values`; `ambient` is the radiance of the scene's own world."""
     given = {key: torch.tensor(value) for key, value in values.items()}
     lamps = {lamp.light.name: lamp for lamp in light_sources(scene, RenderValues(scene, given, "cpu"))}
     places = stage.subject, stage.around
@@ -105,15 +81,19 @@ def measured(
     exposing = Exposing(scene)
     # the key, by the exposure that the rig wants and the subject's own lightness
     albedo = float(stage.subject.albedo.mean()) if len(stage.subject) else GRAY
-    albedo = min(max(albedo, _ALBEDOS[0]), _ALBEDOS[1])
-    kept = _KEPT_LIGHT if albedo > GRAY else _KEPT_DARK
+    albedo = min(max(albedo, 0.05), 0.8)
+    kept = 0.7 if albedo > GRAY else 0.42  # exponent: the image keeps this of the subject's lightness
     lit = exposing.gray(GRAY * 2.0**rig.exposure * (albedo / GRAY) ** kept)
+    # all light on the subject's lit side, as a multiple of the key's: half of the fills reaches that side, too
+    fills = (x.light.stops for x in lights[1:] if x.light.part in ("fill", "bounce", "top", "accent"))
+    together = 1.0 + (0.0 if rig.world is None else 2.0**rig.world) + 0.5 * sum(2.0**stops for stops in fills)
     bounce = _bounce(stage, sheds[lights[0].name]) if lights else 0.0
-    key = math.pi * lit / albedo / (_together(rig, lights) + bounce)
+    key = math.pi * lit / albedo / (together + bounce)
     # Greatest radiance of the subject (0) and of its surroundings (1), which may be bright behind a silhouette
     behind = max([0.0, *(x.light.stops for x in lights if x.light.reach == "background")])
     exposures = rig.exposure, rig.exposure + behind
-    whites = [exposing.gray(_WHITE * 2.0 ** (_FOLLOWS * exposure)) for exposure in exposures]
+    # highlights of a normally exposed image, which follow most of the rig's exposure
+    whites = [exposing.gray(0.7 * 2.0 ** (0.7 * exposure)) for exposure in exposures]
     sky = sky_irradiance(stage)
     if rig.keeps_own_light:
         own = _own_level(scene, stage, {each.name for each in lights}) + ambient * sky
@@ -123,10 +103,10 @@ def measured(
     for each in lights:
         subject, around = sheds[each.name]
         edge = each.light.part in ("rim", "kicker") or each.light.reach == "background"
-        level = _brightest(around if each.light.reach == "background" else subject, _EDGE if edge else _LIT)
+        level = _brightest(around if each.light.reach == "background" else subject, 0.12 if edge else _LIT)
         factor = key * 2.0**each.light.stops / level if level > _BARELY else 0.0
         if edge and each.light.reach != "background":  # on a box, an edge light lights a whole side
-            factor *= min(_EDGE_SHARE * level / max(float(subject.mean()), _BARELY), 1.0)
+            factor *= min(0.2 * level / max(float(subject.mean()), _BARELY), 1.0)
         spots = (
             _hot_spot(stage.subject, factor * subject, _LIT) if each.light.reach == "background" else 0.0,
             _hot_spot(stage.around, factor * around) if each.light.part != "key" else 0.0,
@@ -140,15 +120,14 @@ def measured(
         base = torch.full((len(points),), world)
         total = sum((factors[x.name] * sheds[x.name][n] for x in broad), base)
         weaker = min(whites[n] / max(_hot_spot(points, total), _BARELY), weaker)
-    weaker = max(weaker, _LEAST)
+    weaker = max(weaker, 0.35)
     return Levels({name: weaker * factor for name, factor in factors.items()}, weaker * key, sky)
 
 
 def _own_level(scene: SceneData, stage: LightStage, added: Collection[str]) -> float:
     """Irradiance that the scene's own lights give the subject's lit side."""
     lamps = [x for x in light_sources(scene, RenderValues(scene, {}, "cpu")) if x.light.name not in added]
-    light = sum((_shed(x, stage, stage.subject) for x in lamps), torch.zeros(len(stage.subject)))
-    return _brightest(light, _LIT)
+    return _brightest(sum((_shed(x, stage, stage.subject) for x in lamps), torch.zeros(len(stage.subject))), _LIT)
 
 
 def sky_irradiance(stage: LightStage) -> float:
@@ -161,8 +140,7 @@ def sky_irradiance(stage: LightStage) -> float:
     total = torch.zeros(len(points))
     for direction in toward.T:
         way = direction[:, None].expand_as(points.position).contiguous()
-        cosine = (points.normal * way).sum(0).clamp_min(0.0)
-        total += cosine * stage.clear(points, way, torch.full((len(points),), 1e30))
+        total += stage.lit(points, way, torch.full((len(points),), 1e30))
     return float(total.mean()) * 4 * math.pi / _SKY_RAYS if len(points) else math.pi
 
 
@@ -173,24 +151,17 @@ def _shed(lamp: LightSource, stage: LightStage, points: Points) -> Tensor:
     return shed * clear * float(luminance(lamp.color[None])[0, 0])
 
 
-def _together(rig: Rig, lights: Sequence[Placed]) -> float:
-    """Light of all lights on the subject's lit side, as a multiple of the key's."""
-    fills = (each.light.stops for each in lights[1:] if each.light.part in _FILLS)
-    world = 0.0 if rig.world is None else 2.0**rig.world
-    return 1.0 + world + _OF_FILLS * sum(2.0**stops for stops in fills)
-
-
 def _bounce(stage: LightStage, key: tuple[Tensor, ...]) -> float:
     """The key's light that the walls of a room reflect back, as a multiple of its light on the subject's lit side."""
     lit, every = _brightest(key[0], _LIT), torch.cat(key)
     if lit <= _BARELY or not len(every):
         return 0.0
     albedo = float(torch.cat((stage.subject.albedo, stage.around.albedo)).mean())
-    walls = min((1.0 - stage.openness) * albedo, _THROWN_BACK)
+    walls = min((1.0 - stage.openness) * albedo, 0.75)  # share of its light that a room reflects back
     return float(every.mean()) / lit * walls / (1.0 - walls)
 
 
-def _hot_spot(points: Points, light: Tensor, share: float = _LIGHTEST) -> float:
+def _hot_spot(points: Points, light: Tensor, share: float = 0.93) -> float:
     """Radiance below which a share of points lies; `light` (N,) is their irradiance."""
     return float(torch.quantile(points.albedo * light / math.pi, share)) if len(points) else 0.0
 

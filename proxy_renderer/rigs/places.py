@@ -20,25 +20,14 @@ from ..schema import orbit
 from ..schema.added_lights import PARTS, light_name, role_of
 from ..words.lexicon.rigs import RigLight
 from ..words.names import plain_name
-from .stage import LightStage, Points
+from .stage import LightStage
 
 BRIGHTNESS = ("light/power", "light/strength")  # families of how much light a light sheds
 _TURNS = (0.0, -14.0, 14.0, -28.0, 28.0, -45.0, 45.0)
 _RISES = (0.0, 12.0, -10.0, 24.0)
 _NEARER = (1.0, 0.75, 0.55, 0.4)
-_ASIDE, _OFF, _CLOSE, _OTHER_SIDE = 110.0, 80.0, 0.25, 0.03
-"""Costs of another place than the rig's: degrees of azimuth and of elevation that cost 1, no distance, and the other side."""
-_SHOWN, _GLARE = 0.003, 0.2  # least share of visible points that mirror a light in water or a floor; its cost
 _ENOUGH = 0.04  # least mean share of its light with which a light reaches its target
-_LIKE, _AS_HIGH = 30.0, 20.0  # degrees of azimuth and elevation by which a scene's light may differ
 _NEAR = 9.0  # radii from the subject within which a lamp of the scene lights it
-_AWAY = 1.15  # distance of a bulb from the middle of its lamp, in half diagonals of the lamp
-_SKY_TURNS, _SKY_HEIGHTS = range(-180, 180, 12), (8.0, 14.0, 22.0, 32.0, 44.0, 60.0)
-_TOUCHED, _PATCHES, _PATCH = 0.03, (0.03, 0.5), 0.3
-"""Least light on a sunlit point; least and greatest sunlit share of the surroundings by a window; share that is enough."""
-_FROM_CAMERA = 50.0  # azimuth from the camera, in degrees, below which a sun stands behind the camera
-_OPEN = 0.4  # least share of the subject's sunlight that nothing blocks, for a sun in the open
-_AWAY_COST = 0.25
 _OUTDOORS = 0.78  # openness from which a place has no windows: a cut-away room has 0.75, a walled garden 0.8
 
 
@@ -59,12 +48,7 @@ class Placed:
 def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True, anew: bool = False) -> list[Placed]:
     """The lights of a rig in a scene, the key first, without those that reach nothing.
 
-    A rig's light is one of the scene's or an added one. If neither reaches the target, the scene's key plays the key, and a
-    light called "Rim" the rim, wherever they stand.
-
-    Args:
-        add: Whether lights may be added.
-        anew: Whether no light of the scene may be used.
+    A rig's light is one of the scene's, unless `anew`, or an added one, if `add` allows that.
     """
     found: list[Placed] = []
     turned, present = 1.0, {light.name for light in stage.scene.lights if anew}
@@ -99,7 +83,16 @@ def _own(light: RigLight, stage: LightStage, taken: set[str]) -> Placed | None:
         return _as_it_stands(light, said, stage)
     named = [x for x in free if shared_names(light, x)]
     for candidate in (*named, *(x for x in free if _stands_for(x, light, stage))):
-        share = _share(stage, light, candidate)
+        # Mean share of its light with which it reaches the target, where it stands
+        points = stage.around if light.reach == "background" else stage.subject
+        if candidate.type == "SUN":
+            azimuth, elevation = _angles(candidate, stage.scene)
+            share = float(stage.sunlit(points, azimuth - stage.front, elevation).mean())
+        else:
+            lamp = LIGHT_TYPES[candidate.type].of(candidate, stage.scene, RenderValues(stage.scene, {}, "cpu"))
+            within = lamp.irradiance(points.position, points.normal).irradiance > 0.0  # a spot's cone
+            reached = stage.reached(points, torch.tensor(candidate.position, dtype=torch.float32))
+            share = float((reached * within).mean())
         near = (torch.tensor(candidate.position) - stage.middle).norm() < _NEAR * stage.radius
         if share > _ENOUGH and (candidate.type == "SUN" or candidate not in named or bool(near)):
             return _as_it_stands(light, candidate, stage)
@@ -136,19 +129,7 @@ def _stands_for(light: Light, wanted: RigLight, stage: LightStage) -> bool:
     azimuth, elevation = _angles(light, stage.scene)
     sides = (wanted.azimuth, -wanted.azimuth) if wanted.mirrored else (wanted.azimuth,)
     aside = min(abs(_relative(azimuth - stage.front - side)) for side in sides)
-    return aside < _LIKE and abs(elevation - wanted.elevation) < _AS_HIGH
-
-
-def _share(stage: LightStage, light: RigLight, candidate: Light) -> float:
-    """Mean share of its light with which a light of the scene, where it stands, reaches the target of a rig's light."""
-    points = _targets(light, stage)
-    if candidate.type == "SUN":
-        azimuth, elevation = _angles(candidate, stage.scene)
-        return float(stage.sunlit(points, azimuth - stage.front, elevation).mean())
-    lamp = LIGHT_TYPES[candidate.type].of(candidate, stage.scene, RenderValues(stage.scene, {}, "cpu"))
-    within = lamp.irradiance(points.position, points.normal).irradiance > 0.0  # a spot's cone
-    reached = stage.reached(points, torch.tensor(candidate.position, dtype=torch.float32))
-    return float((reached * within).mean())
+    return aside < 30.0 and abs(elevation - wanted.elevation) < 20.0
 
 
 def _added(light: RigLight, stage: LightStage, taken: set[str], others: Sequence[Placed]) -> Placed | None:
@@ -156,7 +137,8 @@ def _added(light: RigLight, stage: LightStage, taken: set[str], others: Sequence
     alone, used = not others, [(other.azimuth, other.elevation, other.distance) for other in others]
     at_lamp = next((place for place in _at_lamps(light, stage) if stage.orbit_of(place) not in used), None)
     if at_lamp is not None:
-        return _made(light, "POINT", at_lamp, stage, taken, fixed=True)
+        name = _free_name(light.part, "POINT", stage, taken)
+        return Placed(light, name, "POINT", False, *stage.orbit_of(at_lamp), True) if name else None
     if light.worn:
         return None
     if light.type == "SUN":
@@ -172,15 +154,8 @@ def _added(light: RigLight, stage: LightStage, taken: set[str], others: Sequence
         # a closed room: the window is a soft light from the side
         light = replace(light, type="AREA", distance=2.6, size=1.0, elevation=max(light.elevation, 12.0))
     place, share = _best_place(light, stage)
-    return _made(light, light.type, place, stage, taken) if share > _ENOUGH or alone else None
-
-
-def _made(
-    light: RigLight, kind: str, place: Tensor, stage: LightStage, taken: set[str], fixed: bool = False
-) -> Placed | None:
-    """An added light at a place; None where the scene may get none of that type any more."""
-    name = _free_name(light.part, kind, stage, taken)
-    return Placed(light, name, kind, False, *stage.orbit_of(place), fixed) if name else None
+    name = _free_name(light.part, light.type, stage, taken) if share > _ENOUGH or alone else ""
+    return Placed(light, name, light.type, False, *stage.orbit_of(place)) if name else None
 
 
 def _free_name(part: str, kind: str, stage: LightStage, taken: set[str]) -> str:
@@ -191,22 +166,19 @@ def _free_name(part: str, kind: str, stage: LightStage, taken: set[str]) -> str:
     return next((name for name in names if name in free), "")
 
 
-def _targets(light: RigLight, stage: LightStage) -> Points:
-    return stage.around if light.reach == "background" else stage.subject
-
-
 def _best_place(light: RigLight, stage: LightStage) -> tuple[Tensor, float]:
     """The best place (3,) near the one that a rig names, and the mean share of light that reaches the target from there."""
-    points = _targets(light, stage)
+    points = stage.around if light.reach == "background" else stage.subject
     best = (-math.inf, stage.place(light.azimuth, light.elevation, light.distance), 0.0)
     sides = (1.0, -1.0) if light.mirrored and light.azimuth else (1.0,)
     for side, turn, rise, nearer in itertools.product(sides, _TURNS, _RISES, _NEARER):
         elevation = max(min(light.elevation + rise, 88.0), -60.0)
         place = stage.place(side * light.azimuth + turn, elevation, nearer * light.distance)
         share = float(stage.reached(points, place).mean())
-        cost = abs(turn) / _ASIDE + abs(rise) / _OFF + (1 - nearer) * _CLOSE + (side < 0) * _OTHER_SIDE
-        shown = stage.mirrors(place, light.size * stage.radius) > _SHOWN
-        score = min(share, 0.5) - 0.3 * cost * max(share, 0.1) - _GLARE * shown
+        # of another place than the rig's
+        cost = abs(turn) / 110.0 + abs(rise) / 80.0 + 0.25 * (1 - nearer) + 0.03 * (side < 0)
+        shown = stage.mirrors(place, light.size * stage.radius) > 0.003  # in water or a floor
+        score = min(share, 0.5) - 0.3 * cost * max(share, 0.1) - 0.2 * shown
         if share > 0.5 * best[2] and score > best[0]:
             best = score, place, share
         if side > 0 and turn == rise == 0.0 and nearer == 1.0 and share > 0.35 and not shown:
@@ -215,24 +187,19 @@ def _best_place(light: RigLight, stage: LightStage) -> tuple[Tensor, float]:
 
 
 def _sun(light: RigLight, stage: LightStage) -> tuple[float, float] | None:
-    """Azimuth from the camera and elevation of a sun, in degrees; None if no sun reaches the subject.
-
-    A sun through a window is searched for over the whole sky, unless the scene is outdoors: it should draw a patch that the
-    camera sees, light the subject, and not stand behind the camera. Others stand where the rig has them, unless something
-    is in the way there.
-    """
-    everywhere = [(float(a), e) for a in _SKY_TURNS for e in _SKY_HEIGHTS]
-    if light.through and stage.openness < _OUTDOORS:
-        score, best = max((_through_window(light, stage, *each), each) for each in everywhere)
-        if score > _ENOUGH:
-            return best
+    """Azimuth from the camera and elevation of a sun, in degrees; None if no sun reaches the subject."""
+    everywhere = [(float(a), e) for a in range(-180, 180, 12) for e in (8.0, 14.0, 22.0, 32.0, 44.0, 60.0)]
     sides = (1.0, -1.0) if light.mirrored and light.azimuth else (1.0,)
     near = [
         (side * light.azimuth + turn, max(light.elevation + rise, 4.0))
         for side, turn, rise in itertools.product(sides, (0.0, -20.0, 20.0), (0.0, 10.0))
     ]
-    for candidates in (near, everywhere):
-        score, best = max((_in_the_open(light, stage, *each), each) for each in candidates)
+    # where the rig has it, or, if something is in the way there, over the whole sky
+    searches = [(_in_the_open, near), (_in_the_open, everywhere)]
+    if light.through and stage.openness < _OUTDOORS:
+        searches.insert(0, (_through_window, everywhere))
+    for score_of, candidates in searches:
+        score, best = max((score_of(light, stage, *each), each) for each in candidates)
         if score > _ENOUGH:
             return best
     return None
@@ -240,13 +207,14 @@ def _sun(light: RigLight, stage: LightStage) -> tuple[float, float] | None:
 
 def _through_window(light: RigLight, stage: LightStage, azimuth: float, elevation: float) -> float:
     """The score of a sun through a window: 0 if it lights too much or too little, or stands behind the camera."""
-    if abs(azimuth) < _FROM_CAMERA:
+    if abs(azimuth) < 50.0:
         return 0.0
-    patch = float((stage.sunlit(stage.around, azimuth, elevation) > _TOUCHED).float().mean())
-    lit = float((stage.sunlit(stage.subject, azimuth, elevation) > _TOUCHED).float().mean())
-    if not _PATCHES[0] < patch < _PATCHES[1]:
-        return 0.0
-    return min(patch, _PATCH) + min(lit, _PATCH) - _AWAY_COST * _away(light, azimuth, elevation)
+    patch, lit = (  # sunlit shares of the surroundings and of the subject
+        float((stage.sunlit(points, azimuth, elevation) > 0.03).float().mean())
+        for points in (stage.around, stage.subject)
+    )
+    away = _away(light, azimuth, elevation)
+    return min(patch, 0.3) + min(lit, 0.3) - away if 0.03 < patch < 0.5 else 0.0
 
 
 def _in_the_open(light: RigLight, stage: LightStage, azimuth: float, elevation: float) -> float:
@@ -254,32 +222,29 @@ def _in_the_open(light: RigLight, stage: LightStage, azimuth: float, elevation: 
     facing = float((stage.subject.normal * toward[:, None]).sum(0).clamp_min(0.0).mean())
     lit = float(stage.sunlit(stage.subject, azimuth, elevation).mean())
     clear = lit / max(facing, 1e-3)  # share of what could be lit, which is little from behind
-    return lit * 0.5 + 0.5 * clear - _AWAY_COST * _away(light, azimuth, elevation) if clear > _OPEN else 0.0
+    return 0.5 * lit + 0.5 * clear - _away(light, azimuth, elevation) if clear > 0.4 else 0.0
 
 
 def _away(light: RigLight, azimuth: float, elevation: float) -> float:
-    """The distance of a direction from the one that the rig has, from 0 to 1."""
+    """The cost of a direction by its distance from the one that the rig has, from 0 to 0.25."""
     sides = (light.azimuth, -light.azimuth) if light.mirrored else (light.azimuth,)
     aside = min(abs(_relative(azimuth - side)) for side in sides)
-    return 0.5 * (aside / 180.0 + abs(elevation - light.elevation) / 90.0)
+    return 0.125 * (aside / 180.0 + abs(elevation - light.elevation) / 90.0)
 
 
 def _at_lamps(light: RigLight, stage: LightStage) -> Iterator[Tensor]:
     """Places (3,) of the scene's lamps, flames and signs that can be this light, the nearest to the subject first."""
     words = {word.removesuffix("s") for word in light.names}
     most = 2 * _NEAR * stage.radius
-    if light.worn:
-        lamps = [*stage.parts_of(light.worn)]
-    else:
-        lamps = [(m, size) for _, spoken, m, size in stage.things if spoken & words and size < most]
+    named = ((m, size) for spoken, m, size in stage.things if spoken & words and size < most)
+    lamps = [*(stage.parts_of(light.worn) if light.worn else named)]
     lamps.sort(key=lambda row: float((row[0] - stage.middle).norm()))
     for middle, size in lamps:
         if (middle - stage.middle).norm() > _NEAR * stage.radius:
             continue
-        toward = stage.middle - middle
-        up = torch.tensor([0.0, 0.0, 1.0])
+        toward, up = stage.middle - middle, torch.tensor([0.0, 0.0, 1.0])
         steps = [up * 0.0, up, toward / toward.norm().clamp_min(1e-6), -up]
-        places = [middle + _AWAY * size * step for step in steps]
+        places = [middle + 1.15 * size * step for step in steps]  # a bulb, just outside of the lamp
         reached = [(stage.reached(stage.subject, p), stage.reached(stage.around, p)) for p in places]
         light_at = [float(subject.mean()) + 0.5 * float(around.mean()) for subject, around in reached]
         if max(light_at) > _ENOUGH:

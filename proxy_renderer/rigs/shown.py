@@ -5,6 +5,8 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from ..color.floats import chroma, lab_from_srgb, srgb_from_hex
 from ..goals.wish import Wish
 from ..schema import orbit
@@ -14,16 +16,6 @@ from ..words.types import Attribute
 from .chosen import ChosenRig
 from .places import Placed
 from .stage import LightStage
-
-# cosines with the camera's axes of light from a side, from behind, from the camera
-_ASIDE, _BEHIND, _BEFORE = 0.6, -0.5, 0.85
-_SEEN = 0.2  # least value of a measure of direction for which the side of the light is visible
-_RATIO = 0.45  # share of the stops between key and fill that is left on a subject with bounce and highlights
-_LARGE = 3.0  # stops between key and fill from which their ratio is claimed
-_NIGHT = 40.0  # greatest mean L* of an image under a dark sky: a white room full of light is no night
-_COLD = 7400.0
-_FURTHER = 2.0  # noticeable steps that a further rim adds to the light that is there
-_GRAYISH = 12.0  # C* from which a light has a color
 
 
 def wishes_of_rig(chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage) -> tuple[Wish, ...]:
@@ -50,42 +42,39 @@ def _structure(chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage) -
         yield from (("color", claim) for claim in _color(key.light))
         fills = [x.light.stops for x in lights if x.light.part in ("fill", "bounce", "accent", "top")]
         ratio = -max([*fills, rig.world if rig.world is not None else -2.0])
-        if ratio >= _LARGE:
-            yield "contrast", ClaimText("subject", "key_to_fill", (min(_RATIO * ratio, 2.2),), change=0.6)
+        if ratio >= 3.0:  # stops, of which bounce and highlights leave less on the subject
+            yield "contrast", ClaimText("subject", "key_to_fill", (min(0.45 * ratio, 2.2),), change=0.6)
         if rig.has_dark_sky:
             yield "rest", ClaimText("subject", "standing_out", (4.0,), change=8.0)
-            yield "rest", ClaimText("picture", "lightness", upper=(_NIGHT,))
+            yield "rest", ClaimText("picture", "lightness", upper=(40.0,))  # a white room full of light is no night
     for each in lights:
         if each.light.part in ("rim", "kicker") and each.light.stops > 0.0:
             own = ClaimText("subject", "rim", (4.0,), change=5.0)
-            yield "rim", replace(own, lower=(_FURTHER,), change=None, by=True) if chosen.anew else own
+            yield "rim", replace(own, lower=(2.0,), change=None, by=True) if chosen.anew else own
         if each.light.color and each is not key:
-            yield from (("color", claim) for claim in _accent(each.light))
+            yield from (("color", claim) for claim in _color(each.light))
 
 
 def _direction(key: Placed, stage: LightStage) -> Iterator[ClaimText]:
     """The key's direction, as the camera sees it: a light from above is from the front to a camera that looks down."""
-    right, up, toward = (sum(a * b for a, b in zip(axis, orbit.direction(key.azimuth, key.elevation), strict=True)) for axis in stage.camera_axes)  # fmt: skip
-    if max(abs(right), abs(up)) > _ASIDE:
-        measure, slope = ("light_right", right) if abs(right) > _ASIDE else ("light_up", up)
-        ends = ((_SEEN,), (math.inf,)) if slope > 0 else ((-math.inf,), (-_SEEN,))
+    camera = np.array(orbit.frame(stage.front, stage.scene.value("camera/elevation")[0]))
+    right, up, toward = (np.array(orbit.direction(key.azimuth, key.elevation)) @ camera).tolist()
+    if max(abs(right), abs(up)) > 0.6:  # cosine
+        measure, slope = ("light_right", right) if abs(right) > 0.6 else ("light_up", up)
+        ends = ((0.2,), (math.inf,)) if slope > 0 else ((-math.inf,), (-0.2,))
         yield ClaimText("subject", measure, *ends, math.copysign(0.25, slope))
-    if toward < _BEHIND:
+    if toward < -0.5:
         yield ClaimText("subject", "light_front", upper=(0.4,), change=-0.25)
-    elif toward > _BEFORE:
+    elif toward > 0.85:
         yield ClaimText("subject", "light_front", (0.4,), change=0.25)
 
 
 def _color(light: RigLight) -> Iterator[ClaimText]:
+    """The claim that some of the image has the color of a light; none for a nearly gray light."""
     if light.color:
-        yield from _accent(light)
+        if chroma(lab_from_srgb(srgb_from_hex(light.color))) > 12.0:
+            yield ClaimText("picture", "accent", (12.0,), change=12.0, color=light.color)
     elif light.is_warm:
         yield ClaimText("subject", "highlight_warmth", (4.0,), change=4.0)
-    elif light.kelvin >= _COLD:
+    elif light.kelvin >= 7400.0:
         yield ClaimText("subject", "highlight_warmth", upper=(-1.5,), change=-4.0)
-
-
-def _accent(light: RigLight) -> Iterator[ClaimText]:
-    """The claim that some of the image has the color of a light; none for a nearly gray light."""
-    if chroma(lab_from_srgb(srgb_from_hex(light.color))) > _GRAYISH:
-        yield ClaimText("picture", "accent", (12.0,), change=12.0, color=light.color)

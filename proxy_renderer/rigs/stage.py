@@ -23,12 +23,6 @@ from ..words.names import plain_name
 
 _GRID = 40  # rays along each side of the picture
 _MOST = 400  # most points of the subject, and of its surroundings, at which light is measured
-_FEW = 8
-_WIDE = 0.85  # share of the subject's points within its radius
-_LEAST_RADIUS = 0.02  # of the subject, as a share of the camera's distance
-_SKY = tuple(itertools.product(range(-180, 180, 45), (14.0, 32.0, 60.0)))  # azimuths and elevations
-_LEVEL, _SMOOTH = 0.95, 0.25  # least z of a level surface's normal, and roughness below which it mirrors
-_PLAIN = 0.5  # albedo of a surface whose color is unknown
 
 
 @dataclass(frozen=True)
@@ -53,23 +47,19 @@ class LightStage:
         self.pivot = torch.tensor(scene.pivot, dtype=torch.float32)
         points, mine = _seen(scene, geometry)
         # points of the subject, and of the rest; all points for one of these that has hardly any
-        parts = (part if int(part.sum()) >= _FEW else torch.ones_like(part) for part in (mine, ~mine))
-        self.subject, self.around = (_some(points, part) for part in parts)
+        parts = (part if int(part.sum()) >= 8 else torch.ones_like(part) for part in (mine, ~mine))
+        chosen = (part.nonzero()[:, 0] for part in parts)
+        some = [x if len(x) <= _MOST else x[torch.linspace(0, len(x) - 1, _MOST).long()] for x in chosen]
+        self.subject, self.around = (Points(*(v[..., x].contiguous() for v in vars(points).values())) for x in some)
         if len(self.subject):
             self.middle = self.subject.position.median(1).values  # (3,) of the subject
             away = (self.subject.position - self.middle[:, None]).norm(dim=0)
-            radius = float(torch.quantile(away, _WIDE))
+            radius = float(torch.quantile(away, 0.85))
         else:
             self.middle, radius = self.pivot, 0.0
         view = float(scene.references.get("view_distance", 1.0))
-        self.radius = max(radius, _LEAST_RADIUS * view)  # of the subject, meters
+        self.radius = max(radius, 0.02 * view)  # of the subject, meters
         self.front = scene.value("camera/azimuth")[0]  # azimuth of the camera, degrees, as in `schema.orbit`
-
-    @property
-    def camera_axes(self) -> tuple[orbit.Vector, orbit.Vector, orbit.Vector]:
-        """Unit vectors to the camera's right, up, and from the subject towards it."""
-        columns = orbit.frame(self.front, self.scene.value("camera/elevation")[0])
-        return tuple(zip(*columns, strict=True))  # type: ignore[return-value]
 
     def place(self, azimuth: float, elevation: float, radii: float) -> Tensor:
         """(3,) a place at an azimuth from the camera, an elevation, and a distance from the subject's middle in its radii."""
@@ -88,7 +78,7 @@ class LightStage:
         """(N,) share of light from a place (3,) that reaches points: what nothing blocks, times the cosine at the surface."""
         offset = place[:, None] - points.position
         distance = offset.norm(dim=0).clamp_min(1e-6)
-        return self._lit(points, offset / distance, distance)
+        return self.lit(points, offset / distance, distance)
 
     def mirrors(self, place: Tensor, size: float) -> float:
         """Share of the visible points that mirror, for the camera, a light of a diameter (meters) at a place (3,)."""
@@ -104,19 +94,21 @@ class LightStage:
     def sunlit(self, points: Points, azimuth: float, elevation: float) -> Tensor:
         """(N,) as `reached`, of a sun at an azimuth from the camera and an elevation, in degrees."""
         toward = self._toward(azimuth, elevation)[:, None].expand_as(points.position).contiguous()
-        return self._lit(points, toward, torch.full((len(points),), 1e30))
+        return self.lit(points, toward, torch.full((len(points),), 1e30))
 
     @cached_property
     def openness(self) -> float:
         """Share of the sky's light that reaches the visible points: 1 on a plain, 0 in a closed room."""
         clear, all_of_it = 0.0, 0.0
-        for points, (azimuth, elevation) in itertools.product((self.subject, self.around), _SKY):
+        sky = itertools.product((self.subject, self.around), range(-180, 180, 45), (14.0, 32.0, 60.0))
+        for points, azimuth, elevation in sky:
             facing = (points.normal * self._toward(azimuth, elevation)[:, None]).sum(0).clamp_min(0.0)
             clear += float(self.sunlit(points, azimuth, elevation).sum())
             all_of_it += float(facing.sum())
         return clear / max(all_of_it, 1e-6)
 
-    def _lit(self, points: Points, toward: Tensor, distance: Tensor) -> Tensor:
+    def lit(self, points: Points, toward: Tensor, distance: Tensor) -> Tensor:
+        """(N,) as `clear`, times the cosine at the surface."""
         return self.clear(points, toward, distance) * (points.normal * toward).sum(0).clamp_min(0.0)
 
     def clear(self, points: Points, toward: Tensor, distance: Tensor) -> Tensor:
@@ -125,15 +117,15 @@ class LightStage:
         return self.geometry.clear(points.position.to(device), toward.to(device), distance.to(device)).cpu()
 
     @cached_property
-    def things(self) -> list[tuple[str, frozenset[str], Tensor, float]]:
-        """For each object: its name, the words of the name, the middle (3,) of its box, and half the box's diagonal."""
+    def things(self) -> list[tuple[frozenset[str], Tensor, float]]:
+        """For each object: the words of its name, the middle (3,) of its box, and half the box's diagonal."""
         mesh, found = self.scene.mesh, []
         order = np.argsort(mesh.object, kind="stable")
         ends = np.bincount(mesh.object, minlength=len(self.scene.objects)).cumsum()[:-1]
         for thing, mine in zip(self.scene.objects, np.split(order, ends), strict=True):
             if len(faces := mesh.faces[mine]):
                 words = frozenset(word.removesuffix("s") for word in plain_name(thing.name).split())
-                found.append((thing.name, words, *_box(mesh.vertices[faces.ravel()])))
+                found.append((words, *_box(mesh.vertices[faces.ravel()])))
         return found
 
     def parts_of(self, materials: Collection[str]) -> Iterator[tuple[Tensor, float]]:
@@ -163,20 +155,12 @@ def _seen(scene: SceneData, geometry: RayGeometry) -> tuple[Points, Tensor]:
     subjects = torch.tensor([o.subject for o in scene.objects], device=device)
     material = surface.material.cpu()
     albedo = torch.tensor([_albedo(scene, each) for each in scene.materials])
-    rough = [scene.value(f"material/{each.name}/roughness", (1.0,))[0] for each in scene.materials]
-    smooth = torch.tensor([roughness < _SMOOTH for roughness in rough])
+    rough = torch.tensor([scene.value(f"material/{each.name}/roughness", (1.0,))[0] for each in scene.materials])
     normal, seen = surface.normal.cpu(), toward[:, kept].cpu()
     mirrored = seen - 2.0 * (seen * normal).sum(0) * normal
-    polished = smooth[material] & (normal[2] > _LEVEL)
+    polished = (rough < 0.25)[material] & (normal[2] > 0.95)
     points = Points(geometry.lifted(surface).cpu(), normal, albedo[material], mirrored, polished)
     return points, subjects[surface.object].cpu()
-
-
-def _some(points: Points, mine: Tensor) -> Points:
-    index = mine.nonzero()[:, 0]
-    if len(index) > _MOST:
-        index = index[torch.linspace(0, len(index) - 1, _MOST).long()]
-    return Points(*(values[..., index].contiguous() for values in vars(points).values()))
 
 
 def _albedo(scene: SceneData, material: Material) -> float:
@@ -184,4 +168,4 @@ def _albedo(scene: SceneData, material: Material) -> float:
     if material.texture is not None:
         tint = luminance(scene.value(key + "tint", (1.0, 1.0, 1.0)))
         return float(arrays.luminance(material.texture.image[..., :3]).mean()) * tint
-    return luminance(scene.value(key + "base_color", (_PLAIN,) * 3))
+    return luminance(scene.value(key + "base_color", (0.5, 0.5, 0.5)))

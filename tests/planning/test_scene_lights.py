@@ -6,7 +6,6 @@ from plan_parts import make_instances, make_plan
 
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.support import missing_lights
-from proxy_renderer.words.lexicon.user_words import default_vocabulary
 from proxy_renderer.words.parser import parse
 from proxy_renderer.words.types import LightDescription, SceneDescription
 
@@ -79,7 +78,7 @@ def test_a_light_on_standby_plays_no_other_part():
 def found(prompt, lights, standby=STANDBY):
     context = SceneDescription(lights={name: LightDescription(kind) for name, kind, _, _ in lights})
     goals = goals_of(parse(prompt, SceneDescription()))
-    return missing_lights(goals, make_instances(lights=lights), context, standby, default_vocabulary())
+    return missing_lights(goals, make_instances(lights=lights), context, standby)
 
 
 @pytest.mark.parametrize(("prompt", "blue"), [("morning light", False), ("morning, pale blue light", True)])

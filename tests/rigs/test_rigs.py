@@ -20,7 +20,8 @@ from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.optimize.scene_facts import described
 from proxy_renderer.optimize.stage import set_stage
 from proxy_renderer.render.material.inputs import geometry_of
-from proxy_renderer.rigs.chosen import ChosenRig, _under_named_sky, chosen_rig
+from proxy_renderer.rigs.chosen import ChosenRig, chosen_rig
+from proxy_renderer.rigs.combined import under_named_sky
 from proxy_renderer.rigs.levels import Exposing, _bounce, _hot_spot, _shed, sky_irradiance
 from proxy_renderer.rigs.lighting import _is_hazy, _sky, _veiled
 from proxy_renderer.rigs.places import placed
@@ -232,7 +233,7 @@ def test_no_two_lights_burn_in_one_sign(signs, scene):
     """Pink and cyan in the same place would be one color."""
     stage = LightStage(scene, geometry_of(scene, torch.device("cpu")))
     places = [stage.middle + stage.radius * torch.tensor([side, -2.0, 0.5]) for side in (-2.0, 2.0)]
-    stage.things = [(f"Sign {n}", frozenset({"sign"}), place, 0.1) for n, place in enumerate(places[:signs])]
+    stage.things = [(frozenset({"sign"}), place, 0.1) for place in places[:signs]]
     lights = [x for x in placed(rig_table().rigs["rainy night"].lights, stage) if "sign" in x.light.names]
     assert len({(x.azimuth, x.elevation, x.distance) for x in lights}) == len(lights) == 2
     assert sum(x.fixed for x in lights) == signs
@@ -441,11 +442,11 @@ def test_water_mirrors_what_stands_where_the_camera_looks_by_way_of_it(scene):
 def test_a_sky_has_the_color_that_words_give_it(rig):
     parsed = parse(f"{rig}, pale blue sky", SceneDescription(), default_vocabulary())
     (blue,) = {a.color for a in parsed.attributes if a.color}
-    named = _under_named_sky(rig_table().rigs[rig], parsed.attributes)
+    named = under_named_sky(rig_table().rigs[rig], parsed.attributes)
     assert srgb_from_hex(named.sky_color) == pytest.approx(blue, abs=0.01)
     assert 0.18 * 2.0**named.sky == pytest.approx(luminance(float_linear(blue)), rel=0.01)
     plain = parse(rig, SceneDescription(), default_vocabulary())
-    assert _under_named_sky(rig_table().rigs[rig], plain.attributes) == rig_table().rigs[rig]
+    assert under_named_sky(rig_table().rigs[rig], plain.attributes) == rig_table().rigs[rig]
 
 
 @pytest.mark.parametrize("mood", ["gritty", "horror", "cinematic", "moody"])

@@ -84,7 +84,7 @@ def read(text: str, scene: LabeledScene, vocabulary: Vocabulary, weights: FactWe
     except VibeError as error:
         return SentenceReading((), {}, time.perf_counter() - start, error.message)
     own = {light.name: light.role for light in scene.lights}
-    names = missing_lights(goals_of(parsed, vocabulary), whole.instances, whole.scene, STANDBY, vocabulary)
+    names = missing_lights(goals_of(parsed, vocabulary), whole.instances, whole.scene, STANDBY)
     binding = _Binding(parsed, whole.with_lights(names), vocabulary)
     reaches = tuple(map(binding.reach, (a for a in parsed.attributes if not a.cause)))
     seconds = time.perf_counter() - start

@@ -2,7 +2,8 @@
 """Measures of color and tone: functions of an image and a region `where` (H, W) bool of its pixels."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from itertools import product
 
 import torch
 import torch.nn.functional as F
@@ -10,16 +11,15 @@ from torch import Tensor
 
 from .picture import FEW, MeasuredPicture, largest_around, region_of
 
-_RINGS = (0.35, 0.62, 0.82)
-"""Radii in a vignette, as shares of half the image's diagonal: the middle ring lies between the first two, corners beyond the third."""
+MeasureFunction = Callable[[MeasuredPicture, Tensor], Tensor]  # the numbers (n,) of a region in an image
 
 
 def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Difference from the darkest to the lightest twentieth, each of the region or of the subject in it, if more extreme: (1,) L*."""
     subject = region_of(picture.seen, "subject") & where
     parts = [where, subject] if subject.sum() >= FEW else [where]
-    light = torch.stack([lightness_below(picture, part, 0.95) for part in parts]).max()
-    return (light - torch.stack([lightness_below(picture, part, 0.05) for part in parts]).min())[None]
+    dark, light = (torch.stack([lightness_below(picture, part, share) for part in parts]) for share in (0.05, 0.95))
+    return (light.max() - dark.min())[None]
 
 
 def vignette(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -32,15 +32,15 @@ def corner_falls(picture: MeasuredPicture) -> Tensor:
     """Darkness of each corner relative to the middle ring in its quarter, without the subject: (n,) L*, n <= 4, the least first."""
     light, free = picture.lab[..., 0], region_of(picture.seen, "surroundings")
     height, width = light.shape
-    y, x = torch.meshgrid(_middles(height, light), _middles(width, light), indexing="ij")
+    # Centers of pixels, in [-1, 1], and their radii as shares of half the image's diagonal
+    y, x = torch.meshgrid(*((torch.arange(n).to(light) + 0.5) / n * 2 - 1 for n in light.shape), indexing="ij")
     radius = torch.hypot(x * width, y * height) / math.hypot(width, height)
     falloffs = []
-    for up in (y < 0, y >= 0):
-        for left in (x < 0, x >= 0):
-            here = up & left & free
-            middle, corner = here & (radius > _RINGS[0]) & (radius < _RINGS[1]), here & (radius > _RINGS[2])
-            if middle.sum() > 8 and corner.sum() > 8:
-                falloffs.append(light[middle].mean() - light[corner].mean())
+    for up, left in product((y < 0, y >= 0), (x < 0, x >= 0)):
+        here = up & left & free
+        middle, corner = here & (radius > 0.35) & (radius < 0.62), here & (radius > 0.82)
+        if middle.sum() > 8 and corner.sum() > 8:
+            falloffs.append(light[middle].mean() - light[corner].mean())
     return torch.stack(falloffs).sort().values if falloffs else light.new_zeros(0)
 
 
@@ -52,8 +52,7 @@ def standing_out(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 def silhouette(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Darkness of a region relative to the surroundings, minus half the difference between its own lightest and darkest tenth: (1,) L*."""
-    spread = lightness_below(picture, where, 0.9) - lightness_below(picture, where, 0.1)
-    return -standing_out(picture, where) - 0.5 * spread
+    return -standing_out(picture, where) - 0.5 * spread(picture, where)
 
 
 def separation(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -66,19 +65,14 @@ def separation(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return (difference.square().sum() + 1e-6).sqrt()[None]
 
 
-def burnt(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Share of a region that is overexposed, by a soft step at L* 97: (1,) in [0, 1]."""
-    return torch.sigmoid(2 * (picture.lab[..., 0][where] - 97.0)).mean()[None]
+def beyond(level: float, way: int) -> MeasureFunction:
+    """The measure of the share of a region above an L*, or below for a `way` of -1, by a soft step: (1,) in [0, 1]."""
+    return lambda picture, where: torch.sigmoid(2 * way * (picture.lab[..., 0][where] - level)).mean()[None]
 
 
 def clipped(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Share of a region with a channel near 1, by a soft step at 0.99: (1,) in [0, 1]. A clipped color shows no shading."""
     return torch.sigmoid(200 * (picture.display[where].amax(-1) - 0.99)).mean()[None]
-
-
-def drowned(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Share of a region that drowns in black, by a soft step at L* 4: (1,) in [0, 1]."""
-    return torch.sigmoid(2 * (4.0 - picture.lab[..., 0][where])).mean()[None]
 
 
 def lightness_below(picture: MeasuredPicture, where: Tensor, share: float) -> Tensor:
@@ -89,31 +83,16 @@ def lightness_below(picture: MeasuredPicture, where: Tensor, share: float) -> Te
     return light[first : last + 1].mean()
 
 
-def _middles(count: int, like: Tensor) -> Tensor:
-    """Centers (count,) of the pixels of a row, in [-1, 1]."""
-    return (torch.arange(count, device=like.device, dtype=like.dtype) + 0.5) / count * 2 - 1
-
-
-_REST = 0.1  # share of a region's darkest, and of its lightest pixels, that `color` leaves out
-_MIRRORED = 0.4  # share of the lightest pixels, whose hue `color` leaves out: on gloss it is the light's
-_PLAIN = 1.0  # added to a pixel's chroma, OKLab times 100: the sum is its weight where lightness is read
-_ACCENT = 0.1  # share of a region that one of several colors of light has to tint
-_ENDS = 0.3  # share of the darkest, or lightest, pixels that count as shadows, or highlights, for warmth
-_GRAY = 10.0  # C* at which a pixel counts half for a color cast: about what people call gray
-_DARKEST, _LEAST = 25.0, 0.02  # L* below which a pixel's weight in a cast falls, and the weight of black
-_PATCH = 24  # patches of a dark channel along the longer side of an image
-
-
 def color(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Color of a region as people name it, without its deepest shadows and its highlights: (3,) OKLab, times 100.
 
     Lightness is a mean weighted by chroma, so that reflections of a white wall count little. Hue and chroma are the mean of the
-    darker pixels.
+    darker pixels: on gloss, the hue of the lightest 0.4 is that of the light.
     """
     light, seen = picture.oklab[..., 0].detach()[where], picture.oklab[where]
-    low, matte, high = torch.quantile(light, light.new_tensor([_REST, 1 - _MIRRORED, 1 - _REST]))
+    low, matte, high = torch.quantile(light, light.new_tensor([0.1, 0.6, 0.9]))
     inside = (light >= low) & (light <= high)
-    colored = seen[inside, 1:].detach().norm(dim=-1) + _PLAIN
+    colored = seen[inside, 1:].detach().norm(dim=-1) + 1.0
     lightness = (colored * seen[inside, 0]).sum() / colored.sum()
     return torch.cat([lightness[None], seen[inside & (light <= matte), 1:].mean(0)])
 
@@ -126,7 +105,7 @@ def tint(picture: MeasuredPicture, where: Tensor) -> Tensor:
 def accent(picture: MeasuredPicture, where: Tensor, direction: Tensor) -> Tensor:
     """Mean distance from gray along a hue, a unit vector (2,) in a* b*, of the tenth of a region that lies farthest along it: (1,)."""
     along = picture.lab[..., 1:][where] @ direction
-    return along[along.detach() >= torch.quantile(along.detach(), 1 - _ACCENT)].mean()[None]
+    return along[along.detach() >= torch.quantile(along.detach(), 0.9)].mean()[None]
 
 
 def lightness(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -163,14 +142,17 @@ def warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return (b + 0.5 * a)[None]
 
 
-def shadow_warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Warmth of the darkest part of a region: (1,), see `warmth`."""
-    return warmth(picture, where & (_rank(picture, where) <= _ENDS))
+def warmth_between(low: float, high: float) -> MeasureFunction:
+    """The measure of the `warmth` of the pixels between two shares, in [0, 1], of a region in order of lightness: (1,)."""
 
+    def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
+        light = picture.lab[..., 0].detach()
+        rank = torch.full_like(light, 0.5)  # (H, W) share of the region that is darker than each pixel
+        order = light[where].argsort().argsort()
+        rank[where] = (order.to(light) + 0.5) / max(len(order), 1)
+        return warmth(picture, where & (rank >= low) & (rank <= high))
 
-def highlight_warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Warmth of the lightest part of a region: (1,), see `warmth`."""
-    return warmth(picture, where & (_rank(picture, where) >= 1 - _ENDS))
+    return take
 
 
 def brown_distance(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -181,51 +163,22 @@ def brown_distance(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return (across.square() + (5.0 - brown).clamp_min(0.0).square() + 1e-6).sqrt().mean()[None]
 
 
-def _rank(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """(H, W) share of the region that is darker than each of its pixels; 0.5 outside."""
-    light = picture.lab[..., 0].detach()
-    rank = torch.full_like(light, 0.5)
-    order = light[where].argsort().argsort()
-    rank[where] = (order.to(light) + 0.5) / max(len(order), 1)
-    return rank
-
-
-SHADOWS, MIDTONES, LIGHTS = (0.02, 0.25), (0.25, 0.75), (0.75, 0.98)
-"""Shares, from and to, of the pixels in order of lightness that shadows, midtones and highlights are read from."""
-
-
 def mean(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Mean color of a region: (3,) OKLab, times 100."""
     return picture.oklab[where].mean(0)
 
 
-_OF_LIGHTNESS, _NEARLY_BLACK = 60.0, 20.0
-"""Lightness, OKLab times 100, to which chromaticities are scaled, and the least lightness that is scaled: black counts as this."""
+def chromaticity(picture: MeasuredPicture, where: Tensor) -> Tensor:
+    """`chromaticity_of` the mean color of a region: (2,)."""
+    return chromaticity_of(mean(picture, where))
 
 
-def chromaticity(mean: Tensor) -> Tensor:
-    """a and b (2,) of a mean color (3,), OKLab times 100, scaled to one lightness: a change of exposure leaves them as they are."""
-    return mean[1:] * (_OF_LIGHTNESS / mean[0].clamp_min(_NEARLY_BLACK))
+def chromaticity_of(mean: Tensor) -> Tensor:
+    """a and b (2,) of a mean color (3,), OKLab times 100, scaled to the lightness 60: a change of exposure leaves them as they are."""
+    return mean[1:] * (60.0 / mean[0].clamp_min(20.0))
 
 
-class RegionMeans:
-    """The measure `mean` of many regions at once, each (H, W) bool, with a number as its key."""
-
-    def __init__(self, regions: Mapping[int, Tensor]) -> None:
-        self._numbers = tuple(regions)
-        pixels = [where.flatten().nonzero(as_tuple=True)[0] for where in regions.values()]
-        self._pixels = torch.cat(pixels)
-        self._counts = self._pixels.new_tensor([len(each) for each in pixels])
-        self._owners = torch.arange(len(pixels), device=self._pixels.device).repeat_interleave(self._counts)
-
-    def of(self, picture: MeasuredPicture) -> dict[int, Tensor]:
-        """An image's means, each (3,) OKLab, times 100, by the regions' numbers."""
-        colors = picture.oklab.flatten(0, 1)[self._pixels]
-        sums = colors.new_zeros(len(self._counts), 3).index_add(0, self._owners, colors)
-        return dict(zip(self._numbers, (sums / self._counts[:, None]).unbind(), strict=True))
-
-
-def tone(share: float) -> Callable[[MeasuredPicture, Tensor], Tensor]:
+def tone(share: float) -> MeasureFunction:
     """The measure of the lightness below which a share of a region's pixels lies: (1,) L*."""
     return lambda picture, where: lightness_below(picture, where, share)[None]
 
@@ -235,14 +188,8 @@ def spread(picture: MeasuredPicture, where: Tensor) -> Tensor:
     return (lightness_below(picture, where, 0.9) - lightness_below(picture, where, 0.1))[None]
 
 
-def cast(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Color cast: mean of a* and b* in which a region's grayest pixels count most: (2,) of CIE Lab."""
-    lab = picture.lab[where]
-    return grayness(lab) @ lab[:, 1:]
-
-
-def cast_between(low: float, high: float) -> Callable[[MeasuredPicture, Tensor], Tensor]:
-    """The measure of the `cast` of the pixels between two shares, in [0, 1], of a region in order of lightness: (2,)."""
+def cast_between(low: float, high: float) -> MeasureFunction:
+    """The measure of the cast, (2,) in a* and b*, of the pixels between two shares, in [0, 1], of a region in order of lightness."""
 
     def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
         lab = picture.lab[where]
@@ -254,19 +201,21 @@ def cast_between(low: float, high: float) -> Callable[[MeasuredPicture, Tensor],
     return take
 
 
-def from_right(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Lightness of the right third of a region less that of its left third: (1,) L*."""
-    return _across(picture, where, 1)[None]
+def across(axis: int, way: int) -> MeasureFunction:
+    """The measure of the lightness of a region's last third along an axis (0 down, 1 right) less that of the first: (1,) L*, times `way`."""
 
+    def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
+        place = where.nonzero()[:, axis].to(picture.lab)
+        low, high = torch.quantile(place, place.new_tensor([1 / 3, 2 / 3]))
+        light = picture.lab[..., 0][where]
+        return way * (light[place >= high].mean() - light[place <= low].mean())[None]
 
-def from_above(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Lightness of the upper third of a region less that of its lower third: (1,) L*."""
-    return -_across(picture, where, 0)[None]
+    return take
 
 
 def veil(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Light that lies over everything, as haze does: (1,) mean dark channel of a region, in percent (He, Sun and Tang 2009)."""
-    width = 2 * (max(where.shape) // _PATCH // 2) + 1
+    width = 2 * (max(where.shape) // 24 // 2) + 1  # of a patch
     least = -F.max_pool2d(-picture.display.amin(-1)[None, None], width, stride=1, padding=width // 2)[0, 0]
     return 100 * least[where].mean()[None]
 
@@ -274,13 +223,6 @@ def veil(picture: MeasuredPicture, where: Tensor) -> Tensor:
 def grayness(lab: Tensor) -> Tensor:
     """Weights (N,), of sum 1 and without gradients, of pixels (N, 3) CIE Lab in a cast. Black counts little: it is gray in any light."""
     lab = lab.detach()
-    weights = (lab[:, 0] / _DARKEST).clamp(_LEAST, 1.0) / (1 + lab[:, 1:].square().sum(-1) / _GRAY**2)
+    # Half for C* 10, about what people call gray; less below L* 25
+    weights = (lab[:, 0] / 25.0).clamp(0.02, 1.0) / (1 + lab[:, 1:].square().sum(-1) / 10.0**2)
     return weights / weights.sum()
-
-
-def _across(picture: MeasuredPicture, where: Tensor, axis: int) -> Tensor:
-    """() mean L* of the last third of a region's pixels along an axis (0 down, 1 right), minus that of the first third."""
-    place = where.nonzero()[:, axis].to(picture.lab)
-    low, high = torch.quantile(place, place.new_tensor([1 / 3, 2 / 3]))
-    light = picture.lab[..., 0][where]
-    return light[place >= high].mean() - light[place <= low].mean()

@@ -9,26 +9,38 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from ...render.geometry.vectors import overlap
+from .color import MeasureFunction
 from .picture import FEW, GRAIN, MeasuredPicture, largest_around
 
 _FLOOR = 0.004  # linear luminance below which differences are not seen on a display in a lit room
-_HIGHLIGHTS = (0.03, 0.06)  # distances from a highlight to its sides, times the root of the region's area
 _BEND = 0.5  # cosine between two normals below which there is an edge between their places
-_EVEN = 0.15  # stops per pixel by which a texture may change: the edges of a pattern are no shadows
-_SPOT = 0.002  # share of a region's pixels, those with the strongest highlights, that gloss is the mean of
-_CLEAR = 1e-3  # weight of pixels that no fog hides
 _END = 0.2  # share of a target's pixels, in order of height, that are its foot, or its head
-_EVEN_FIT = 0.02  # standard deviation of light by grain, as a share of the mean light
-_STEADY = 1e-4  # regularization of a fit: keeps it solvable where normals hardly turn
-_STEEPEST = (0.97, 0.995)  # shares of a region's slopes, in order, between which its sharpest edges lie
 _GRAZING = 3.0  # exponent of 1 - cosine in sheen: it grows toward the edge, over more than the last pixel
-_OBLIQUE = 0.5  # cosine between normal and view at which sheen is stated: 60 degrees
 _MIRROR_HIGHLIGHTS = 0.99  # share of a region's pixels, the darkest, that are no highlights
 
 
-def light_along(axis: int) -> Callable[[MeasuredPicture, Tensor], Tensor]:
+def light_along(axis: int) -> MeasureFunction:
     """The measure of how much light comes from the right (axis 0), from above (1) or from the camera (2): (1,) in [-1, 1]."""
-    return lambda picture, where: _shading(picture, where)[axis : axis + 1]
+
+    def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
+        # Direction from which a region is lit, by a fit of a + b · n to luminance; shorter than 1 if that is unclear
+        normal = picture.seen.normal
+        where = where & (normal.norm(dim=-1) > 0.5)
+        light, normals = picture.luminance[where], normal[where]
+        if len(light) < FEW:
+            return light.new_zeros(1)
+        keep = light <= torch.quantile(light.detach(), 0.99)
+        light, normals = light[keep], normals[keep]
+        if normals.std(0).max() < 0.1:
+            return light.new_zeros(1)
+        light = light / light.mean().clamp_min(1e-6)
+        matrix = torch.cat((normals, torch.ones_like(light)[:, None]), 1)
+        scale = 1e-2 * len(light) * torch.diag(light.new_tensor([1.0, 1.0, 1.0, 0.0]))
+        slope = torch.linalg.solve(matrix.T @ matrix + scale, matrix.T @ light)[:3]
+        length = (slope.square().sum() + 1e-8).sqrt()
+        return (slope / length * (length / 0.3).clamp_max(1.0))[axis : axis + 1]
+
+    return take
 
 
 def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -39,14 +51,20 @@ def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     outline = largest_around(seen.subject, 5) + largest_around(-seen.subject, 5) > 0.1
     turn = torch.stack(torch.gradient(seen.normal, dim=(0, 1))).square().sum((0, -1)).sqrt()
     fade = torch.stack(torch.gradient(seen.pattern.clamp_min(_FLOOR).log2())).square().sum(0).sqrt()
-    even = (largest_around(turn, 3) < 0.15) & (largest_around(fade, 3) < _EVEN)
+    # The edges of a pattern, where the texture changes by more stops per pixel, are no shadows.
+    even = (largest_around(turn, 3) < 0.15) & (largest_around(fade, 3) < 0.15)
     smooth = where & same & ~outline & even & (seen.material >= 0)
-    if smooth.sum() < FEW:
-        return picture.luminance.new_zeros(1)
-    rows, columns = torch.gradient((picture.shading.clamp_min(0) + _FLOOR).log2())
-    slope = (rows.square() + columns.square() + 1e-8).sqrt()[smooth].sort().values
-    steepest = slope[round(0.985 * len(slope)) : max(round(0.995 * len(slope)), 1)]
-    return steepest.mean()[None] * (max(smooth.shape) / GRAIN)
+    return _steepest((picture.shading.clamp_min(0) + _FLOOR).log2(), smooth, 0.985, 0.995)
+
+
+def _steepest(field: Tensor, where: Tensor, low: float, high: float) -> Tensor:
+    """(1,) mean slope of a field (H, W) between two shares of a region in order of slope, per pixel of an image 192 pixels long."""
+    if where.sum() < FEW:
+        return field.new_zeros(1)
+    rows, columns = torch.gradient(field)
+    slope = (rows.square() + columns.square() + 1e-8).sqrt()[where].sort().values
+    first, last = round(low * len(slope)), round(high * len(slope))
+    return slope[first : max(last, first + 1)].mean()[None] * (max(where.shape) / GRAIN)
 
 
 def key_to_fill(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -86,34 +104,19 @@ def gloss(picture: MeasuredPicture, where: Tensor) -> Tensor:
         return picture.display.new_zeros(1)
     rows, columns = where.any(1).nonzero()[:, 0], where.any(0).nonzero()[:, 0]
     box = slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
-    light, where = _blurred(picture.lab[..., 0][box]), where[box]
+    # Blurred by a Gaussian with a standard deviation of half a pixel, which reduces grain
+    tap, light = math.exp(-2.0), picture.lab[..., 0][box]
+    kernel = light.new_tensor([tap, 1.0, tap]) / (1 + 2 * tap)
+    padded = F.pad(light[None, None], (1, 1, 1, 1), mode="replicate")
+    light, where = F.conv2d(padded, torch.outer(kernel, kernel)[None, None])[0, 0], where[box]
     seen = picture.seen.material[box], picture.seen.normal[box]
     rise = torch.zeros_like(light)
-    for share in _HIGHLIGHTS:
-        away = max(1, round(share * math.sqrt(count)))
+    for share in (0.03, 0.06):
+        away = max(1, round(share * math.sqrt(count)))  # from a highlight to its sides
         for row, column in ((0, away), (away, 0), (away, away), (away, -away)):
             sides = [_beside(light, where, *seen, step) for step in ((row, column), (-row, -column))]
             rise = torch.maximum(rise, light - torch.maximum(*sides))
-    return rise[where].topk(max(4, round(_SPOT * count))).values.mean()[None]
-
-
-def _shading(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """(3,) direction from which a region is lit, in the camera's space, by a fit of a + b · n to luminance; shorter than 1 if unclear."""
-    normal = picture.seen.normal
-    where = where & (normal.norm(dim=-1) > 0.5)
-    light, normals = picture.luminance[where], normal[where]
-    if len(light) < FEW:
-        return light.new_zeros(3)
-    keep = light <= torch.quantile(light.detach(), 0.99)
-    light, normals = light[keep], normals[keep]
-    if normals.std(0).max() < 0.1:
-        return light.new_zeros(3)
-    light = light / light.mean().clamp_min(1e-6)
-    matrix = torch.cat((normals, torch.ones_like(light)[:, None]), 1)
-    scale = 1e-2 * len(light) * torch.diag(light.new_tensor([1.0, 1.0, 1.0, 0.0]))
-    slope = torch.linalg.solve(matrix.T @ matrix + scale, matrix.T @ light)[:3]
-    length = (slope.square().sum() + 1e-8).sqrt()
-    return slope / length * (length / 0.3).clamp_max(1.0)
+    return rise[where].topk(max(4, round(0.002 * count))).values.mean()[None]
 
 
 def _beside(light: Tensor, where: Tensor, material: Tensor, normal: Tensor, step: tuple[int, int]) -> Tensor:
@@ -129,14 +132,6 @@ def _moved(field: Tensor, step: tuple[int, int], outside: float) -> Tensor:
     (rows, from_rows), (columns, from_columns) = map(overlap, step, field.shape[:2])
     moved[rows, columns] = field[from_rows, from_columns]
     return moved
-
-
-def _blurred(field: Tensor) -> Tensor:
-    """A field (H, W), blurred by a Gaussian with a standard deviation of half a pixel, which reduces grain."""
-    tap = math.exp(-2.0)
-    kernel = field.new_tensor([tap, 1.0, tap]) / (1 + 2 * tap)
-    padded = F.pad(field[None, None], (1, 1, 1, 1), mode="replicate")
-    return F.conv2d(padded, torch.outer(kernel, kernel)[None, None])[0, 0]
 
 
 def haze(picture: MeasuredPicture, where: Tensor) -> Tensor:
@@ -160,7 +155,7 @@ def mist_below(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 def air_lightness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Mean lightness of a region, its pixels weighted by how much the air hides them: (1,) L*, whatever the amount of air."""
-    veil = (1.0 - picture.seen.transmittance.detach())[where] + _CLEAR
+    veil = (1.0 - picture.seen.transmittance.detach())[where] + 1e-3
     return (picture.lab[..., 0][where] @ veil / veil.sum())[None]
 
 
@@ -177,7 +172,7 @@ def unscattered(picture: MeasuredPicture, where: Tensor) -> Tensor:
         light, normal, place = light[kept], normal[kept], place[kept]
         basis = torch.cat((normal, place, place.square(), place[:, :1] * place[:, 1:]), 1)
         left = light - _fitted(basis, light)[1]
-        grain = (_EVEN_FIT * light.mean()).square() + 1e-10
+        grain = (0.02 * light.mean()).square() + 1e-10
         return left.square().mean() / ((light - light.mean()).square().mean() + grain)
 
     return _by_material(picture, where, share)
@@ -191,7 +186,7 @@ def sheen(picture: MeasuredPicture, where: Tensor) -> Tensor:
         light, normal = light[kept], normal[kept]
         edge = (1.0 - normal[:, 2:]).clamp(0.0, 1.0) ** _GRAZING
         slope = _fitted(torch.cat((edge, normal), 1), light)[0][0]
-        return slope * (1.0 - _OBLIQUE) ** _GRAZING / light.mean().clamp_min(1e-4)
+        return slope * 0.5**_GRAZING / light.mean().clamp_min(1e-4)
 
     return _by_material(picture, where, rise)
 
@@ -201,12 +196,7 @@ def sharpness(picture: MeasuredPicture, where: Tensor) -> Tensor:
     material = picture.seen.material.float()
     same = largest_around(material, 3) == -largest_around(-material, 3)
     inside = where & same & ~(largest_around(~where, 5) > 0)
-    if inside.sum() < FEW:
-        return picture.luminance.new_zeros(1)
-    rows, columns = torch.gradient(picture.lab[..., 0])
-    slope = (rows.square() + columns.square() + 1e-8).sqrt()[inside].sort().values
-    first, last = (round(share * len(slope)) for share in _STEEPEST)
-    return slope[first : max(last, first + 1)].mean()[None] * (max(where.shape) / GRAIN)
+    return _steepest(picture.lab[..., 0], inside, 0.97, 0.995)
 
 
 def _by_material(picture: MeasuredPicture, where: Tensor, take: Callable[[Tensor, Tensor, Tensor], Tensor]) -> Tensor:
@@ -230,6 +220,7 @@ def _fitted(basis: Tensor, light: Tensor) -> tuple[Tensor, Tensor]:
     columns = torch.cat((basis, torch.ones_like(basis[:, :1])), 1)
     scale = columns.norm(dim=0).clamp_min(1e-6)
     even = columns / scale
-    steady = _STEADY * torch.eye(even.shape[1], dtype=even.dtype, device=even.device)
+    # solvable where normals hardly turn
+    steady = 1e-4 * torch.eye(even.shape[1], dtype=even.dtype, device=even.device)
     weights = torch.linalg.solve(even.T @ even + steady, even.T @ light)
     return weights / scale, even @ weights

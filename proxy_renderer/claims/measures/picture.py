@@ -18,12 +18,7 @@ from ...words.types import Part
 
 FEW = 32  # shading of fewer pixels is not measured
 GRAIN = 192  # longer side, in pixels, of the image that slopes are stated for
-_BLACK = 0.02  # sRGB-encoded value; an image that is darker everywhere shows nothing
 _ADAPTED = 0.7  # share of the light's color, and of its dimness in stops, that the eye adapts to
-_MIDDLE = 0.18  # linear luminance of gray in light that is not dim
-_DIM = 6.0  # times darker than that: to dimmer light the eye adapts no further
-_UNLIT = 1e-4  # linear luminance of gray below which the light has no color to adapt to
-_DARKEST = 0.05  # of a pattern relative to its mean: darker parts mirror rather than scatter light
 
 
 @dataclass(frozen=True)
@@ -60,12 +55,12 @@ class MeasuredPicture:
         white would be in that light glows, and keeps its colors.
         """
         gray = None if self.seen.gray is None else linear_from_srgb(self.seen.gray[where]).mean(0)
-        if gray is None or luminance(gray) < _UNLIT:
-            return self
+        if gray is None or luminance(gray) < 1e-4:
+            return self  # the light has no color to adapt to
         to_cones, from_cones = gray.new_tensor(CONES_FROM_REC709), gray.new_tensor(REC709_FROM_CONES)
         light = to_cones @ (gray / luminance(gray))
-        dimness = _MIDDLE / luminance(gray)
-        level = dimness.clamp(1.0, _DIM) ** _ADAPTED
+        dimness = 0.18 / luminance(gray)
+        level = dimness.clamp(1.0, 6.0) ** _ADAPTED  # to dimmer light the eye adapts no further
         scale = level / (_ADAPTED * light + (1.0 - _ADAPTED) * to_cones.sum(1))
         display = linear_from_srgb(self.display)
         adapted = display @ (from_cones @ (scale[:, None] * to_cones)).T
@@ -80,12 +75,13 @@ class MeasuredPicture:
     @cached_property
     def shading(self) -> Float[Tensor, "h w"]:
         """Linear luminance, divided by the luminance of the texture relative to its mean."""
-        return self.luminance / self.seen.pattern.clamp_min(_DARKEST)
+        # Darker parts of a pattern mirror rather than scatter light.
+        return self.luminance / self.seen.pattern.clamp_min(0.05)
 
 
 def is_black(display: Tensor) -> bool:
     """True for an image (H, W, 3) in [0, 1] that shows nothing."""
-    return bool(display.max() < _BLACK)
+    return bool(display.max() < 0.02)
 
 
 def region_of(seen: GBuffer, part: Part, materials: tuple[str, ...] = ()) -> Bool[Tensor, "h w"]:
