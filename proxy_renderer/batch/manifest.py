@@ -79,17 +79,16 @@ class _Reader:
         for key in content:
             if key not in _KNOWN:
                 raise self._problem(f"Unknown key {key!r}.", f"Use {', '.join(_KNOWN)}.", key)
-        limits = self._limits(content.get("limits", {}))
-        common = self._options.read(self._table(content, "options"), ("options",))
+        limits = self._limits()
+        common = self._options.read(self._table("options"), ("options",))
         everything = self._common_digest(content.get("files", []), common.get("vocabulary", ""))
-        groups = [*self._single(common, everything), *self._together(common, everything)]
-        return BatchPlan(groups), limits
+        return BatchPlan([*self._single(common, everything), *self._together(common, everything)]), limits
 
     def _single(self, common: dict[str, Any], everything: str) -> Iterator[SceneGroup]:
         if self._content.get("scenes", []) == [] and "shots" in self._content:
             return
         scenes = dict(self._scenes(self._content.get("scenes"), "scenes"))
-        named = self._table(self._content, "scene")
+        named = self._table("scene")
         for pattern in named:
             if not fnmatch.filter(scenes, pattern):
                 remedy = f"Scenes are named as in {next(iter(scenes))}."
@@ -126,12 +125,11 @@ class _Reader:
         prompts = own.get("prompts") or self._prompts(self._content.get("prompts"), options, "prompts")
         seeds = own.get("seeds") or self._seeds(self._content.get("seeds", [0]), "seeds")
         read = [Path(options[name]) for name in IN_FILES if options.get(name)]
-        content = " ".join([*map(digest, [*scenes, *read]), everything])
-        mark = hashlib.sha256(content.encode()).hexdigest()
+        mark = hashlib.sha256(" ".join([*map(digest, [*scenes, *read]), everything]).encode()).hexdigest()
         return SceneGroup(name, scenes[0], mark, prompts, seeds, arguments, tuple(scenes[1:]))
 
-    def _table(self, content: dict[str, Any], key: str) -> dict[str, Any]:
-        table = content.get(key, {})
+    def _table(self, key: str) -> dict[str, Any]:
+        table = self._content.get(key, {})
         if not isinstance(table, dict):
             raise self._problem(f"{key!r} is not a table.", f"Write [{key}] above its rows.", key)
         return table
@@ -141,7 +139,18 @@ class _Reader:
         if given is None and any(options.get(name) for name in IN_FILES):
             return ("",)
         if isinstance(given, str):
-            return self._prompts_of_file(self._named(given, "list of prompts", *keys), options)
+            path = self._named(given, "list of prompts", *keys)
+            prompts: dict[str, None] = {}
+            for number, line in enumerate(map(str.strip, path.read_text("utf-8").splitlines()), 1):
+                if line and not line.startswith("#"):
+                    prompts[line] = None
+                    try:
+                        self._options.prompt(line, options)
+                    except VibeError as error:
+                        raise VibeError(f"{path}, line {number}: {error.message}", error.remedy) from error
+            if not prompts:
+                raise VibeError(f"{path} holds no prompt.", "Write one on each line.")
+            return tuple(prompts)
         if not texts(given):
             remedy = 'Write prompts = ["noir", "misty"], or prompts = "prompts.txt".'
             raise self._problem("There are no prompts.", remedy, *keys)
@@ -149,21 +158,6 @@ class _Reader:
             with self._source.at(*keys, prompt):
                 self._options.prompt(prompt, options)
         return tuple(dict.fromkeys(given))
-
-    def _prompts_of_file(self, path: Path, options: dict[str, Any]) -> tuple[str, ...]:
-        prompts: dict[str, None] = {}
-        for number, line in enumerate(path.read_text("utf-8").splitlines(), 1):
-            prompt = line.strip()
-            if not prompt or prompt.startswith("#"):
-                continue
-            try:
-                self._options.prompt(prompt, options)
-            except VibeError as error:
-                raise VibeError(f"{path}, line {number}: {error.message}", error.remedy) from error
-            prompts[prompt] = None
-        if not prompts:
-            raise VibeError(f"{path} holds no prompt.", "Write one on each line.")
-        return tuple(prompts)
 
     def _seeds(self, given: Any, *keys: str) -> tuple[int, ...]:
         seeds = given if isinstance(given, list) else ()
@@ -185,9 +179,9 @@ class _Reader:
             own["seeds"] = self._seeds(table["seeds"], *keys, "seeds")
         return own
 
-    def _limits(self, table: Any) -> Limits:
-        defaults = {f.name: f.default for f in fields(Limits)}
-        for key, value in table.items() if isinstance(table, dict) else ():
+    def _limits(self) -> Limits:
+        table, defaults = self._table("limits"), {f.name: f.default for f in fields(Limits)}
+        for key, value in table.items():
             if key not in defaults:
                 raise self._problem(f"Unknown limit {key!r}.", f"Use {', '.join(defaults)}.", "limits", key)
             whole = isinstance(defaults[key], int)
@@ -195,7 +189,7 @@ class _Reader:
             if type(value) not in ((int,) if whole else (int, float)) or value < least:
                 remedy = f"Write a {'whole number' if whole else 'number'}, as in {key} = {defaults[key]}."
                 raise self._problem(f"{key} cannot be {value!r}.", remedy, "limits", key)
-        return Limits(**self._table({"limits": table}, "limits"))
+        return Limits(**table)
 
     def _scenes(self, patterns: Any, *keys: str) -> Iterator[tuple[str, Path]]:
         """The scenes that patterns match, in the order of the manifest: for each, its name in the results and its path."""

@@ -81,23 +81,20 @@ class OptionReader:
         if row.choices and value not in row.choices:
             raise self._problem(f"{key} cannot be {value!r}.", f"Use {', '.join(row.choices)}.", *keys, key)
         with self._source.at(*keys, key):
-            self._check_options(self._defaults | {row.name: value})
-            if row.name in IN_FILES and isinstance(value, str) and value:
+            given = argparse.Namespace(**self._defaults | {row.name: value})
+            checks.numbers(given, self._rows.values())
+            checks.groups(given.groups)
+            checks.locks(given.lock)
+            checks.targets(given.target)
+            checks.traits(given.like_only, given.like or "perhaps in another table")
+            check.device(given.device)
+            frame_numbers(getattr(given, "frames", ""))
+            if given.vocabulary:
+                check.vocabulary(str(self._base / given.vocabulary))
+            if row.name in IN_FILES and value:
                 path = str(self._base / value)
                 value = str(check.file(path, "picture")) if row.name == "like" else check.goals(path)
         return value
-
-    def _check_options(self, options: dict[str, Any]) -> None:
-        given = argparse.Namespace(**options)
-        checks.numbers(given, self._rows.values())
-        checks.groups(given.groups)
-        checks.locks(given.lock)
-        checks.targets(given.target)
-        checks.traits(given.like_only, given.like or "perhaps in another table")
-        check.device(given.device)
-        frame_numbers(getattr(given, "frames", ""))
-        if given.vocabulary:
-            check.vocabulary(str(self._base / given.vocabulary))
 
     def prompt(self, prompt: str, options: dict[str, Any]) -> None:
         """Raises VibeError for a prompt that `vibe run` would refuse."""

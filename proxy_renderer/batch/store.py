@@ -21,10 +21,10 @@ import shutil
 import time
 import uuid
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 from filelock import FileLock, Timeout
 
@@ -57,8 +57,7 @@ class Store:
             problem = f"Another batch works in {self.folder} ({owner.get('holder', 'unknown')})."
             raise VibeError(problem, "Wait for it, end it, or choose another --out.") from error
         self.jobs.mkdir(exist_ok=True)
-        before = read_json(self.folder / TOKEN) or {}
-        self.token = before.get("token") or uuid.uuid4().hex
+        self.token = (read_json(self.folder / TOKEN) or {}).get("token") or uuid.uuid4().hex
         holder = f"process {os.getpid()} on {platform.node()}"
         write_json(self.folder / TOKEN, {"token": self.token, "holder": holder})
         return self
@@ -88,10 +87,6 @@ class Store:
                 final = read_json(self.jobs / job.name / FINAL) or {}
                 return row | {key: final[key] for key in ("frames", "final_error") if key in final}
         return head(job) | {"status": "waiting"}
-
-    def rows(self, plan: Iterable[Job]) -> Iterator[JobRow]:
-        """The rows of all jobs, read as they are needed."""
-        return map(self.row, plan)
 
     def fail(self, job: Job, row: JobRow) -> None:
         """Records a failed attempt in the job's folder."""
@@ -139,17 +134,20 @@ def write_json(path: Path, content: Any) -> None:
 
 def write_bytes(path: Path, content: bytes) -> None:
     """Writes a file, all at once or not at all. Raises VibeError if it cannot be written."""
+    with _replacing(path) as part:
+        part.write_bytes(content)
+
+
+@contextmanager
+def _replacing(path: Path) -> Iterator[Path]:
+    """As `atomic.replacing`, but raises VibeError if the file cannot be written."""
     try:
-        atomic.write_bytes(path, content)
+        with atomic.replacing(path) as part:
+            yield part
     except OSError as error:
-        raise unwritable(path, error) from error
-
-
-def unwritable(path: Path, error: OSError) -> VibeError:
-    """The error for a file that cannot be written; the caller raises it."""
-    reason = "no space is left" if atomic.is_full(error) else error.strerror or type(error).__name__
-    remedy = "Make room there; then run the same command again: it continues."
-    return VibeError(f"{path} cannot be written: {reason}.", remedy)
+        reason = "no space is left" if atomic.is_full(error) else error.strerror or type(error).__name__
+        remedy = "Make room there; then run the same command again: it continues."
+        raise VibeError(f"{path} cannot be written: {reason}.", remedy) from error
 
 
 def tidy(folder: Path) -> None:
@@ -233,17 +231,16 @@ class Sheet:
     def write(self) -> None:
         """Writes everything anew, a row at a time. Raises VibeError if it cannot be written."""
         start = time.monotonic()
-        folder = self._store.folder
         before, after = _page(self._title)
-        with (
-            _file(folder / "index.html") as page,
-            _file(folder / "results.jsonl") as lines,
-            _file(folder / "results.csv") as cells,
-        ):
+        with ExitStack() as stack:
+            paths = [self._store.folder / name for name in ("index.html", "results.jsonl", "results.csv")]
+            parts = [stack.enter_context(_replacing(path)) for path in paths]
+            files = (stack.enter_context(part.open("w", encoding="utf-8", newline="")) for part in parts)
+            page, lines, cells = files
             table = csv.DictWriter(cells, [*FIELDS, *FILES], restval="", extrasaction="ignore")
             table.writeheader()
             page.write(before)
-            for row in self._store.rows(self._plan):
+            for row in map(self._store.row, self._plan):
                 full = complete(row)
                 table.writerow(full | {key: " | ".join(full[key] or []) for key in (*WORDS, "shots")})
                 lines.write(json.dumps(full, ensure_ascii=False) + "\n")
@@ -273,12 +270,3 @@ def _page(title: str) -> tuple[str, str]:
     page = texts["sheet.html"].replace("{{style}}", texts["sheet.css"]).replace("{{script}}", script)
     before, after = page.replace("{{title}}", html.escape(title)).split("{{rows}}")
     return before, after
-
-
-@contextmanager
-def _file(path: Path) -> Iterator[TextIO]:
-    try:
-        with atomic.replacing(path) as part, part.open("w", encoding="utf-8", newline="") as file:
-            yield file
-    except OSError as error:
-        raise unwritable(path, error) from error

@@ -36,8 +36,17 @@ def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
     if report is None:
         raise VibeError(f"{folder.name} holds no report.", "See the job's log.")
     shots = report.get("shots", [])
-    for name in [Path(shot[kind]).stem for shot in shots for kind in ("before", "after")] or _PICTURES:
-        _thumb(folder, name)
+    # small images for the sheet
+    for name in [Path(shot[kind]).stem for shot in shots for kind in _PICTURES] or _PICTURES:
+        content = io.BytesIO()
+        try:
+            with Image.open(folder / f"{name}.png") as picture:
+                flat = picture.convert("RGB")
+        except OSError as error:
+            raise VibeError(f"{name}.png cannot be read: {error}.", "See the job's log.") from error
+        flat.thumbnail((_THUMB, _THUMB), Image.Resampling.LANCZOS)
+        flat.save(content, "JPEG", quality=88)
+        write_bytes(folder / f"{name}.jpg", content.getvalue())
     write_bytes(folder / "details.js", _details(job, report))
     laps = report.get("timings", {})
     words = [row for row in report["verdicts"] if row["word"]]  # verdicts on the first shot
@@ -65,23 +74,16 @@ def leave_frames(job: Job, folder: Path, memory_gb: float, seconds: float) -> Jo
     return row
 
 
-def _thumb(folder: Path, name: str) -> None:
-    content = io.BytesIO()
-    try:
-        with Image.open(folder / f"{name}.png") as picture:
-            flat = picture.convert("RGB")
-    except OSError as error:
-        raise VibeError(f"{name}.png cannot be read: {error}.", "See the job's log.") from error
-    flat.thumbnail((_THUMB, _THUMB), Image.Resampling.LANCZOS)
-    flat.save(content, "JPEG", quality=88)
-    write_bytes(folder / f"{name}.jpg", content.getvalue())
-
-
 def _details(job: Job, report: dict[str, Any]) -> bytes:
     """The details of a job for the sheet: a script, because pages from disk may load nothing else."""
     parameters = report.get("parameters", {})
-    largest_first = sorted(parameters.items(), key=lambda item: -item[1].get("moved", 0.0))
-    rows = [row for key, change in largest_first if (row := _changed(key, change))]
+    rows = []  # label, old value, new value and reason of each parameter whose values differ as text
+    for key, change in sorted(parameters.items(), key=lambda item: -item[1].get("moved", 0.0)):
+        before, after = (tuple(v) if isinstance(v, list) else (v,) for v in (change["before"], change["after"]))
+        if labels.same(key, before, after):
+            continue
+        shown = (labels.bare(key, before), labels.text(key, after)) if len(after) == 1 else (before, after)
+        rows.append([labels.title(key), *shown, change["reason"]])
     understood = report.get("understood", {})
     content = {
         "parameters": rows,
@@ -90,16 +92,6 @@ def _details(job: Job, report: dict[str, Any]) -> bytes:
         "understood": {name: understood[name] for name in _UNDERSTOOD if understood.get(name)},
     }
     return f"vibeDetails({json.dumps(job.name)}, {json.dumps(content, ensure_ascii=False)});\n".encode()
-
-
-def _changed(key: str, change: dict[str, Any]) -> list[Any] | None:
-    """A parameter's label, old value, new value and reason, to show; None if both values look the same as text."""
-    before, after = (tuple(v) if isinstance(v, list) else (v,) for v in (change["before"], change["after"]))
-    if labels.same(key, before, after):
-        return None
-    if len(after) == 1:
-        return [labels.title(key), labels.bare(key, before), labels.text(key, after), change["reason"]]
-    return [labels.title(key), before, after, change["reason"]]
 
 
 _TICK = 0.5  # seconds between two checks of a job's time and memory
@@ -240,8 +232,7 @@ class _Watch:
         """Raises VibeError if a limit has been passed."""
         now = time.monotonic()
         if now > self._end:
-            remedy = "Raise [limits] minutes."
-            raise VibeError(f"It took longer than {self._limits.minutes:g} minutes.", remedy)
+            raise VibeError(f"It took longer than {self._limits.minutes:g} minutes.", "Raise [limits] minutes.")
         if now < self._next:
             return
         self._next = now + _TICK

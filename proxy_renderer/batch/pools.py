@@ -1,20 +1,124 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Workers on a Ray cluster: the same `Worker` as on one machine, as an actor on every node that has room for it."""
+"""Workers: threads on this machine, or actors on every node of a Ray cluster that has room for them."""
 
 import contextlib
 import os
+import queue
+import shutil
 import socket
+import subprocess
 import tempfile
 import time
+from collections.abc import Mapping
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
+
+import psutil
 
 from ..schema import VibeError
-from .manifest import Job
-from .schedule import PER_GPU, fitting
+from .manifest import Job, Limits
 from .store import TOKEN, JobRow, Store, read_json
 from .worker import Interrupted, Setup, Worker
+
+PER_GPU = 4  # engines that share a graphics card
+_LOOK = 2.0  # seconds between two looks at the cluster's nodes
+_PATIENCE = 5  # attempts to reach a head node that does not answer
+_FAREWELL = 10.0  # seconds that workers get to end their processes
+
+
+class Pool(Protocol):
+    """Workers, wherever they are."""
+
+    def capacity(self) -> int:
+        """Number of jobs that can run at the same time, at this moment."""
+
+    def submit(self, job: Job) -> None:
+        """Hands out a job."""
+
+    def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
+        """Waits for jobs to end; returns them with their rows, None for a job whose worker is lost."""
+
+    def close(self) -> None:
+        """Ends all workers now."""
+
+
+class LocalPool:
+    """A `Pool` on this machine, with a thread for each worker."""
+
+    def __init__(self, jobs: Path, workers: list[Worker]) -> None:
+        self._jobs, self._workers = jobs, workers
+        self._idle: queue.SimpleQueue[Worker] = queue.SimpleQueue()
+        for worker in workers:
+            self._idle.put(worker)
+        self._threads = ThreadPoolExecutor(len(workers))
+        self._out: dict[Future[JobRow], Job] = {}
+
+    def capacity(self) -> int:
+        """Number of workers, idle or not."""
+        return len(self._workers)
+
+    def submit(self, job: Job) -> None:
+        """Hands a job to the next worker that is idle."""
+        self._out[self._threads.submit(self._run, job)] = job
+
+    def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
+        """As `Pool.wait`; a job whose worker was closed has the status "interrupted"."""
+        ended, _ = wait(self._out, seconds, FIRST_COMPLETED)
+        return [(self._out.pop(future), future.result()) for future in ended]
+
+    def close(self) -> None:
+        """Ends the jobs that run, forgets those that wait, and returns when all threads have ended."""
+        for worker in self._workers:
+            worker.close()
+        self._threads.shutdown(wait=True, cancel_futures=True)
+
+    def _run(self, job: Job) -> JobRow:
+        worker = self._idle.get()
+        try:
+            return worker.run(job, self._jobs / job.name)
+        except Interrupted:
+            return {"status": "interrupted"}
+        finally:
+            self._idle.put(worker)
+
+
+def local_pool(jobs: Path, setup: Setup, count: int = 0) -> LocalPool:
+    """A pool of `count` workers, or of as many as fit for 0; several have CPU cores of their own, and GPUs in turn."""
+    count = count or fitting(machine(), setup.limits) or 1
+    cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+    cards, workers = graphics_cards(), []
+    for number in range(count):
+        first = number * setup.limits.cores
+        mine = cores[first : first + setup.limits.cores] if count > 1 else []
+        card = {"CUDA_VISIBLE_DEVICES": str(number % cards)} if cards else {}
+        workers.append(Worker(replace(setup, variables=setup.variables | card), mine))
+    return LocalPool(jobs, workers)
+
+
+def fitting(resources: Mapping[str, float], limits: Limits) -> int:
+    """Number of workers that a machine holds, by its "CPU" cores, "memory" in bytes and "GPU" cards; 0 if it is too small."""
+    fits = [resources.get("CPU", 0) // limits.cores, resources.get("memory", 0) / 1e9 // limits.memory_gb]
+    fits += [cards * PER_GPU] if (cards := resources.get("GPU")) else []
+    return int(min(fits))
+
+
+def machine() -> dict[str, float]:
+    """The resources of this machine, named as Ray names them."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return {"CPU": cores, "memory": psutil.virtual_memory().total, "GPU": graphics_cards()}
+
+
+def graphics_cards() -> int:
+    """Number of CUDA cards, found without importing torch."""
+    chosen = os.environ.get("CUDA_VISIBLE_DEVICES")
+    if chosen is not None:
+        return len([c for c in chosen.split(",") if c.strip()])
+    if not shutil.which("nvidia-smi"):
+        return 0
+    done = subprocess.run(["nvidia-smi", "-L"], capture_output=True, text=True, timeout=30)
+    return done.stdout.count("GPU ") if done.returncode == 0 else 0
 
 
 class Station:
@@ -32,33 +136,28 @@ class Station:
 
     def run(self, job: Job, *scenes: bytes) -> tuple[JobRow, dict[str, bytes]]:
         """Carries out a job; returns its row, and its files by path if this machine does not see the results folder."""
-        row, files = self._carry_out(job, *scenes)
+        files: dict[str, bytes] = {}
+        if self._shares:
+            row = self._worker.run(job, self._jobs / job.name)
+        else:
+            with tempfile.TemporaryDirectory(prefix="vibe-batch-") as place:
+                folder, sources = Path(place) / "out", []
+                for number, (source, content) in enumerate(zip((job.source, *job.more), scenes, strict=True)):
+                    sources.append(Path(place) / str(number) / source.name)  # several may have one name
+                    sources[-1].parent.mkdir()
+                    sources[-1].write_bytes(content)
+                row = self._worker.run(replace(job, source=sources[0], more=tuple(sources[1:])), folder)
+                for path in folder.rglob("*"):
+                    if path.is_file() and not path.name.startswith("."):
+                        files[path.relative_to(folder).as_posix()] = path.read_bytes()
         if row["status"] == "failed" and os.getppid() != self._node:
             # The node has died: Ray has killed Blender before this process. The job has not failed.
             raise Interrupted
         return row, files
 
-    def _carry_out(self, job: Job, *scenes: bytes) -> tuple[JobRow, dict[str, bytes]]:
-        if self._shares:
-            return self._worker.run(job, self._jobs / job.name), {}
-        with tempfile.TemporaryDirectory(prefix="vibe-batch-") as place:
-            folder, sources = Path(place) / "out", []
-            for number, (source, content) in enumerate(zip((job.source, *job.more), scenes, strict=True)):
-                sources.append(Path(place) / str(number) / source.name)  # several may have one name
-                sources[-1].parent.mkdir()
-                sources[-1].write_bytes(content)
-            row = self._worker.run(replace(job, source=sources[0], more=tuple(sources[1:])), folder)
-            files = [p for p in folder.rglob("*") if p.is_file() and not p.name.startswith(".")]
-            return row, {p.relative_to(folder).as_posix(): p.read_bytes() for p in files}
-
     def close(self) -> None:
         """Ends the running job."""
         self._worker.close()
-
-
-_LOOK = 2.0  # seconds between two looks at the cluster's nodes
-_PATIENCE = 5  # attempts to reach a head node that does not answer
-_FAREWELL = 10.0  # seconds that workers get to end their processes
 
 
 class RayPool:
@@ -72,7 +171,7 @@ class RayPool:
         self._ready: dict[Any, bool] = {}  # station -> whether it shares the folder
         self._idle: list[Any] = []
         self._out: dict[Any, tuple[Any, Job]] = {}
-        self._scenes: dict[Path, Any] = {}
+        self._scenes: dict[Path, Any] = {}  # scene file -> Ray's reference to its content in the object store
         self._next = 0.0
         self._lost = False
 
@@ -84,7 +183,10 @@ class RayPool:
         """Sends a job to an idle station, with its scenes where the station does not share the folder."""
         station = self._idle.pop()
         sources = () if self._ready[station] else (job.source, *job.more)
-        self._out[station.run.remote(job, *map(self._scene, sources))] = (station, job)
+        for source in sources:
+            if source not in self._scenes:
+                self._scenes[source] = self._ray.put(source.read_bytes())
+        self._out[station.run.remote(job, *(self._scenes[source] for source in sources))] = (station, job)
 
     def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
         """As `Pool.wait`; also registers stations that have started, and drops those that have died."""
@@ -117,6 +219,8 @@ class RayPool:
 
     def _look(self) -> None:
         """Starts stations on new nodes, and drops the stations of nodes that are gone."""
+        from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
+
         if time.monotonic() < self._next:
             return
         self._next = time.monotonic() + _LOOK
@@ -129,8 +233,16 @@ class RayPool:
         for node, resources in alive.items():
             group = self._nodes.setdefault(node, [])
             for _ in range(fitting(resources, self._setup.limits) - len(group)):
-                if not self._most or sum(map(len, self._nodes.values())) < self._most:
-                    group.append(self._start(node, resources))
+                if self._most and sum(map(len, self._nodes.values())) >= self._most:
+                    return
+                station = self._station.options(
+                    num_cpus=self._setup.limits.cores,
+                    num_gpus=1 / PER_GPU if resources.get("GPU") else 0,
+                    max_concurrency=2,  # so that it can be closed while it works
+                    scheduling_strategy=NodeAffinitySchedulingStrategy(node, soft=False),
+                ).remote(self._setup, self._store.folder, self._store.token)
+                self._coming[station.shares.remote()] = station
+                group.append(station)
 
     def _check_head(self) -> None:
         """Raises VibeError if the head node is gone, before Ray notices and ends this process without a message."""
@@ -143,18 +255,6 @@ class RayPool:
         self._lost = True
         remedy = "Bring it back, then run the same command again: it continues with what is done."
         raise VibeError("The cluster's head is lost.", remedy)
-
-    def _start(self, node: str, resources: dict[str, float]) -> Any:
-        from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
-
-        station = self._station.options(
-            num_cpus=self._setup.limits.cores,
-            num_gpus=1 / PER_GPU if resources.get("GPU") else 0,
-            max_concurrency=2,  # so that it can be closed while it works
-            scheduling_strategy=NodeAffinitySchedulingStrategy(node, soft=False),
-        ).remote(self._setup, self._store.folder, self._store.token)
-        self._coming[station.shares.remote()] = station
-        return station
 
     def _forget(self, station: Any) -> None:
         """Removes a station that has died; `_look` starts another if the node is still alive."""
@@ -181,12 +281,6 @@ class RayPool:
         if station in self._ready:
             self._idle.append(station)
         return job, row
-
-    def _scene(self, source: Path) -> Any:
-        """Ray's reference to a scene file, which the first call puts into the object store."""
-        if source not in self._scenes:
-            self._scenes[source] = self._ray.put(source.read_bytes())
-        return self._scenes[source]
 
 
 def cluster_pool(address: str, store: Store, setup: Setup, most: int = 0) -> RayPool:
