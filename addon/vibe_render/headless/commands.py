@@ -30,19 +30,19 @@ from .arguments import Reporter, parse
 from .scenes import Framing, open_blend, open_scene, save_blend
 from .vibe import HeadlessVibe, run_one
 
-_GRACE = 5.0
-"""Seconds after the end of the input until a process that is still busy is ended."""
+_GRACE = 5.0  # seconds after the end of the input until a process that is still busy is ended
 
 
 def run(args: argparse.Namespace, reporter: Reporter) -> None:
     """Runs a vibe or moments, if requested, and then further sentences (`--then`), with an engine of its own."""
     engine = Engine(args.engine, listener=reporter.engine)
     engine.start()  # before the scene is opened: both load at the same time
-    shown = None
+    shown = None  # the newest render of the scene that is to be opened next
     try:
+        has_look = args.prompt.strip() or args.like or args.goals or not args.then
         if args.moments or args.markers:
             moments.run(args, reporter, engine)
-        elif args.prompt.strip() or args.like or args.goals or not args.then:
+        elif has_look:
             first = HeadlessVibe(args, reporter, engine)
             analysis = run_one(first, args.then)
             if args.steady and (lost := lost_frames(first.sequence)):
@@ -50,32 +50,22 @@ def run(args: argparse.Namespace, reporter: Reporter) -> None:
                 steady = copy(args)
                 steady.frames, steady.check_every = [analysis.scene.frame_current, *lost], 0
                 run_one(HeadlessVibe(steady, reporter, engine), [])
-            args, shown = _written(args), args.out / "after.png"
-        for sentence in args.then:
+        for number, sentence in enumerate(args.then):
+            if number or has_look:  # go on with the .blend that was written
+                args, shown = copy(args), args.out / "after.png"
+                args.scene, args.command = str(args.out / "vibed.blend"), "run"
+                args.scenes = [args.scene]
             go_on(args, sentence, reporter, engine, shown)
-            args, shown = _written(args), args.out / "after.png"
     except BaseException:
         engine.stop(patience=0.1)  # it may be busy
         raise
     engine.stop()
 
 
-def _written(args: argparse.Namespace) -> argparse.Namespace:
-    """A copy of a command line that goes on with the .blend that it has written."""
-    args = copy(args)
-    args.scene, args.command = str(args.out / "vibed.blend"), "run"
-    args.scenes = [args.scene]
-    return args
-
-
 def go_on(
     args: argparse.Namespace, sentence: str, reporter: Reporter, engine: Engine, shown: Path | None = None
 ) -> None:
-    """Runs a further sentence; raises VibeError if the scene has no look, or the sentence is empty.
-
-    Args:
-        shown: An image of the scene as it is: the render of the previous step. None if there is none.
-    """
+    """Runs a further sentence; `shown` is the render of the previous step. Raises VibeError if the scene has no look."""
     scene, _, _ = open_scene(args, reporter)
     steps = Steps.of(scene)
     if not snapshot.exists(scene):
@@ -96,10 +86,9 @@ def go_on(
         steps.store(scene)
         reporter.stage("rendering with Cycles")
         lights = out.path("lights.exr") if args.light_mix else None
-        layers = final_render.render_picture(
-            scene, out.path("after.png"), args.size, args.samples, args.seed, lights=lights
-        )
-        out.copy(f"step-{steps.shown}.png", out.path("after.png"))
+        after = out.path("after.png")
+        layers = final_render.render_picture(scene, after, args.size, args.samples, args.seed, lights=lights)
+        out.copy(f"step-{steps.shown}.png", after)
         report = {"prompt": sentence, "steps": steps.rows(), "not_written": skipped}
         rows = summary.light_rows("lights.exr", layers)
         out.write_json("report.json", report | ({"lights": rows} if rows else {}))
@@ -147,8 +136,7 @@ def revert(args: argparse.Namespace, reporter: Reporter) -> None:
     if not scenes:
         raise schema.VibeError(f"{path.name} holds no vibe to revert.", "Only a vibed .blend can be reverted.")
     if not os.access(path, os.W_OK):  # replacing a file does not need write permission for it
-        remedy = "Make it writable, or copy it to where it can be changed."
-        raise schema.VibeError(f"{path.name} is read-only.", remedy)
+        raise schema.VibeError(f"{path.name} is read-only.", "Make it writable, or copy it to where it can be changed.")
     lost = [line for scene in scenes for line in snapshot.revert(scene)]
     with Outputs(path.parent) as out:
         save_blend(out.path(path.name))
@@ -189,7 +177,15 @@ def serve() -> None:
     "error" event. When the input ends, the process ends too: at most `_GRACE` seconds later if a command is running.
     """
     lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
-    threading.Thread(target=_listen, args=(lines,), daemon=True).start()
+
+    def listen() -> None:
+        for line in sys.stdin:
+            lines.put(line)
+        lines.put(None)
+        threading.Event().wait(_GRACE)
+        os._exit(1)  # Blender is still busy
+
+    threading.Thread(target=listen, daemon=True).start()
     reporter = Reporter(events=True)
     engine = Engine(listener=reporter.engine)
     engine.start()
@@ -207,12 +203,3 @@ def serve() -> None:
                 engine.stop(patience=0.1)  # it may be in the middle of something
     finally:
         engine.stop()
-
-
-def _listen(lines: queue.SimpleQueue[str | None]) -> None:
-    """Reads the input (in a thread), and ends this process after `_GRACE` seconds if Blender is busy when the input ends."""
-    for line in sys.stdin:
-        lines.put(line)
-    lines.put(None)
-    threading.Event().wait(_GRACE)
-    os._exit(1)

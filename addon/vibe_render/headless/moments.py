@@ -43,7 +43,7 @@ def run(args: argparse.Namespace, reporter: Reporter, engine: Engine) -> None:
     queue = list(args.moments) or _of_markers(args, reporter)
     count = len(queue)
     found: list[Moment] = []
-    reports: list[dict[str, Any]] = []
+    rows: list[dict[str, Any]] = []  # for each moment, the report of its vibe, its frame and its image files
     with Outputs(args.out) as out, tempfile.TemporaryDirectory(prefix="vibe-") as folder:
         while queue:
             frame, prompt = queue.pop(0)
@@ -54,11 +54,20 @@ def run(args: argparse.Namespace, reporter: Reporter, engine: Engine) -> None:
             analysis = run_one(HeadlessVibe(each, reporter, engine), queue)
             steps, names = Steps.of(analysis.scene), [o.name_full for o in analysis.objects]
             found.append(Moment(frame, prompt, steps.values(), steps.base, steps.pivot, names))
-            reports.append(json.loads((each.out / "report.json").read_text(encoding="utf-8")))
-            out.copy(numbered("before.png", number), each.out / "before.png")
+            report = json.loads((each.out / "report.json").read_text(encoding="utf-8"))
+            before, after = numbered("before.png", number), numbered("after.png", number)
+            rows.append({"frame": frame, "before": before, "after": after, **report})
+            out.copy(before, each.out / "before.png")
         notes = _write(args, reporter, out, found)
-        out.write_json("report.json", {"moments": _rows(found, reports), "left_alone": notes})
-    reporter.result(*_closing(found, reports, notes))
+        out.write_json("report.json", {"moments": rows, "left_alone": notes})
+    lines, missing = [f"Note: {note}" for note in notes], []
+    for moment, row in zip(found, rows, strict=True):
+        missed = words_of(row["verdicts"], "missed")
+        note = f" Not visible: {', '.join(missed)}." if missed else ""
+        lines.append(f"Frame {moment.frame}: {moment.prompt}.{note}")
+        missing += missed
+    lines.append(f"Keyframes from frame {found[0].frame} to {found[-1].frame}. {STRIP} shows the way.")
+    reporter.result(lines, any(row["stopped"] for row in rows), missing)
 
 
 def _of_markers(args: argparse.Namespace, reporter: Reporter) -> list[tuple[int, str]]:
@@ -95,11 +104,14 @@ def _write(args: argparse.Namespace, reporter: Reporter, out: Outputs, found: li
     reporter.stage("rendering with Cycles")
     for number, moment in enumerate(found):
         show(moment.frame)
-        path = out.path(numbered("after.png", number))
-        final_render.render_picture(scene, path, args.size, args.samples, args.seed)
+        after = out.path(numbered("after.png", number))
+        final_render.render_picture(scene, after, args.size, args.samples, args.seed)
     with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
+        # The strip's images are the moments, and `_STEPS` - 1 frames between each two.
+        at = [moment.frame for moment in found]
+        between = [a + round(n * (b - a) / _STEPS) for a, b in pairwise(at) for n in range(_STEPS)]
         tiles = []
-        for frame in _strip([moment.frame for moment in found]):
+        for frame in sorted({*between, *at}):
             show(frame)
             tiles.append(Path(folder, f"{frame}.png"))
             final_render.render_picture(scene, tiles[-1], _TILE, _TILE_SAMPLES, args.seed)
@@ -107,34 +119,3 @@ def _write(args: argparse.Namespace, reporter: Reporter, out: Outputs, found: li
     framing.restore()
     save_blend(out.path("vibed.blend"))
     return notes
-
-
-def _strip(frames: list[int]) -> list[int]:
-    """The frames of the strip's images: the moments, and `_STEPS` - 1 frames between each two."""
-    between = [a + round(n * (b - a) / _STEPS) for a, b in pairwise(frames) for n in range(_STEPS)]
-    return sorted({*between, *frames})
-
-
-def _rows(found: list[Moment], reports: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Rows of report.json: the report of each moment's vibe, with its frame and image files."""
-    return [
-        {
-            "frame": moment.frame,
-            "before": numbered("before.png", number),
-            "after": numbered("after.png", number),
-            **report,
-        }
-        for number, (moment, report) in enumerate(zip(found, reports, strict=True))
-    ]
-
-
-def _closing(found: list[Moment], reports: list[dict[str, Any]], notes: list[str]) -> tuple[list[str], bool, list[str]]:
-    """Arguments for `Reporter.result`: closing lines, whether a search was stopped, and the words that are not visible."""
-    lines, missing = [f"Note: {note}" for note in notes], []
-    for moment, report in zip(found, reports, strict=True):
-        missed = words_of(report["verdicts"], "missed")
-        note = f" Not visible: {', '.join(missed)}." if missed else ""
-        lines.append(f"Frame {moment.frame}: {moment.prompt}.{note}")
-        missing += missed
-    lines.append(f"Keyframes from frame {found[0].frame} to {found[-1].frame}. {STRIP} shows the way.")
-    return lines, any(report["stopped"] for report in reports), missing

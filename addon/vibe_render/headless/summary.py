@@ -35,25 +35,7 @@ def report_fields(
     fields = dict(result.report)
     timings = {**stopwatch.seconds, **{f"engine: {k}": v for k, v in fields.pop("timings", {}).items()}}
     versions = {**fields.pop("versions", {}), "blender": bpy.app.version_string}
-    return {
-        **fields,
-        "scene": os.path.basename(args.scene or bpy.data.filepath) or args.command,
-        "subject": sorted(shot_list.subjects[0]),
-        **_measurements(measured),
-        **({"shots": _shots(args, shot_list, measured)} if len(shot_list) > 1 else {}),
-        "stopped": result.stopped,
-        "not_written": skipped,
-        "warnings": _warnings(shot_list, result),
-        "timings": {**timings, "total": round(sum(stopwatch.seconds.values()), 2)},
-        "versions": versions,
-    }
-
-
-def _shots(
-    args: argparse.Namespace, shot_list: ShotList, measured: Sequence[messages.Finished]
-) -> list[dict[str, Any]]:
-    """Rows of report.json for several shots: file names and measurements."""
-    return [
+    shots = [
         {
             "name": shot.name,
             "scene": Path(shot.scene).stem,
@@ -66,6 +48,18 @@ def _shots(
         }
         for number, (shot, each) in enumerate(zip(shot_list.shots, measured, strict=True))
     ]
+    return {
+        **fields,
+        "scene": os.path.basename(args.scene or bpy.data.filepath) or args.command,
+        "subject": sorted(shot_list.subjects[0]),
+        **_measurements(measured),
+        **({"shots": shots} if len(shots) > 1 else {}),
+        "stopped": result.stopped,
+        "not_written": skipped,
+        "warnings": _warnings(shot_list, result),
+        "timings": {**timings, "total": round(sum(stopwatch.seconds.values()), 2)},
+        "versions": versions,
+    }
 
 
 def light_rows(file: str, layers: Sequence[LightLayer]) -> dict[str, dict[str, list[str]]]:
@@ -130,32 +124,20 @@ def closing_lines(
         s, who = each.similarity, f"{shot.name}: " if len(shot_list) > 1 else ""
         if result.report["prompt"].strip():
             lines.append(f"{who}Similarity to the words {s['before']:.3f} -> {s['after']:.3f}.")
-        lines.append(f"{who}The prediction differs from Cycles by {_apart(each.prediction['shown'])}.")
+        error = each.prediction["shown"]
+        subject = f"subject {error['subject']:.1f}, " if "subject" in error else ""
+        apart = f"{error['mean']:.1f} CIEDE2000 ({subject}95th percentile {error['p95']:.1f})"
+        lines.append(f"{who}The prediction differs from Cycles by {apart}.")
     return lines
-
-
-def sequence_rows(frames: Sequence[CheckedFrame]) -> list[dict[str, Any]]:
-    """Rows of report.json for checked frames."""
-    return [
-        {"frame": each.frame, "lost": each.lost} | ({"note": each.note} if each.note else {"verdicts": each.verdicts})
-        for each in frames
-    ]
 
 
 def sequence_lines(rows: Sequence[CheckedFrame]) -> list[str]:
     """A line for each checked frame with a note or a word that is no longer visible; if there is none, a single line."""
     lines = [line for each in rows if (line := frame_line(each))]
     if lost := [str(each.frame) for each in rows if each.lost]:
-        lines.append(
-            f"To search one look for them too, add --steady, or --frames {','.join(lost)} with the frame above."
-        )
+        frames = ",".join(lost)
+        lines.append(f"To search one look for them too, add --steady, or --frames {frames} with the frame above.")
     return lines or list(filter(None, [steady_line(rows)]))
-
-
-def _apart(figures: dict[str, float]) -> str:
-    """A difference as text: "0.6 CIEDE2000 (subject 0.4, 95th percentile 1.7)"."""
-    subject = f"subject {figures['subject']:.1f}, " if "subject" in figures else ""
-    return f"{figures['mean']:.1f} CIEDE2000 ({subject}95th percentile {figures['p95']:.1f})"
 
 
 def change_lines(instances: dict[str, schema.Instance], values: dict[str, Any]) -> list[str]:
@@ -172,8 +154,8 @@ def change_lines(instances: dict[str, schema.Instance], values: dict[str, Any]) 
         line = f"{labels.title(key)}: {labels.text(key, before)} -> {labels.text(key, after)}"
         rows.append((instance.distance(after), line))
     rows.sort(reverse=True)
-    more = [f"... and {len(rows) - _SHOWN} more"] if len(rows) > _SHOWN else []
-    return [line for _, line in rows[:_SHOWN]] + more
+    lines = [line for _, line in rows[:_SHOWN]]
+    return [*lines, f"... and {len(rows) - _SHOWN} more"] if len(rows) > _SHOWN else lines
 
 
 class Stopwatch:

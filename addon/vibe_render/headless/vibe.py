@@ -9,7 +9,7 @@ import signal
 import socket
 import tempfile
 import threading
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -34,39 +34,12 @@ from .arguments import Reporter
 from .scenes import ShotList, save_blend
 from .summary import Stopwatch, numbered
 
+# Most samples of the render before the vibe, which only serves for comparison, and is denoised.
 _SAMPLES_BEFORE = 16
-"""Samples of the render before the vibe, at most: it only serves for comparison, and is denoised."""
-
-
-def on_interrupt(act: Callable[[], Any]) -> None:
-    """Calls `act`, from a thread, at the first Ctrl-C or SIGTERM; a second one ends the process.
-
-    Python runs signal handlers only between its own instructions, so not while Cycles renders. Therefore signal numbers
-    are written to a socket, which a thread reads.
-    """
-    reading, writing = socket.socketpair()
-    writing.setblocking(False)
-    for number in (signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGBREAK", None)):
-        if number is not None:
-            signal.signal(number, lambda number, frame: None)
-    signal.set_wakeup_fd(writing.fileno(), warn_on_full_buffer=False)
-
-    def watch() -> None:
-        with writing:  # keeps the socket open while the thread reads
-            reading.recv(1)
-            act()
-            reading.recv(1)
-            os._exit(130)
-
-    threading.Thread(target=watch, daemon=True).start()
 
 
 class HeadlessVibe(Driver):
-    """One vibe of all shots of a command line.
-
-    Args:
-        shown: An image of the scene as it is, to use as *before.png*; None to render that.
-    """
+    """One vibe of all shots of a command line; `shown` is an image of the scene to use as before.png, None to render it."""
 
     def __init__(
         self,
@@ -103,12 +76,15 @@ class HeadlessVibe(Driver):
                 if self._lights:
                     fields["lights"] = self._lights
                 if self.sequence:
-                    fields["sequence"] = summary.sequence_rows(self.sequence)
+                    fields["sequence"] = [
+                        {"frame": checked.frame, "lost": checked.lost}
+                        | ({"note": checked.note} if checked.note else {"verdicts": checked.verdicts})
+                        for checked in self.sequence
+                    ]
                 self._out.write_json("report.json", fields)
             lines = summary.closing_lines(self._shots, result, self._measured, self._skipped)
             lines += summary.sequence_lines(self.sequence)
-            missed = words_of(self._measured[0].verdicts, "missed")
-            self._reporter.result(lines, result.stopped, missed)
+            self._reporter.result(lines, result.stopped, words_of(self._measured[0].verdicts, "missed"))
         return self._shots.jobs[-1].analysis
 
     def _run(self) -> Generator[str]:
@@ -127,7 +103,11 @@ class HeadlessVibe(Driver):
         self._ask(messages.Vibe(schema.schema_hash(), shots[0].job, words, asdict(options), shots=others))
         # Render before.png while the engine works. Backwards, because the last shot is still open.
         for number in reversed(range(len(self._shots))):
-            scene = self._before(number)
+            if self._shown:
+                self._out.copy("before.png", self._shown)
+                scene = self._shots.show(number).analysis.scene
+            else:
+                scene = self._render(number, "before.png", min(self._args.samples, _SAMPLES_BEFORE))
             if final_render.is_black(self._out.path(numbered("before.png", number))):
                 notes.check_shows(scene, self._shots.jobs[number].filling, lit=True)
                 self._unlit |= number == 0
@@ -227,13 +207,6 @@ class HeadlessVibe(Driver):
         steps.add(self._change, before, written, reasons, result.report["goals"])
         steps.store(job.analysis.scene)
 
-    def _before(self, number: int) -> bpy.types.Scene:
-        """Renders a shot's before.png, or copies the given image; returns the shot's scene."""
-        if not self._shown:
-            return self._render(number, "before.png", min(self._args.samples, _SAMPLES_BEFORE))
-        self._out.copy("before.png", self._shown)
-        return self._shots.show(number).analysis.scene
-
     def _render(self, number: int, name: str, samples: int) -> bpy.types.Scene:
         """Renders a shot to a file ("after.png" also with its light layers, if requested); returns the shot's scene."""
         scene, args = self._shots.show(number).analysis.scene, self._args
@@ -250,24 +223,35 @@ class HeadlessVibe(Driver):
             job = self._shots.show(0)
             notes.check_shows(job.analysis.scene, job.filling, lit=False)
 
-    def _anchor_stage(self, request: messages.Anchor) -> str:
-        name = self._shots.shots[request.shot].name
-        stage = f"comparing with Cycles, render {request.number}{f', {name}' if name else ''}"
-        self._reporter.stage(stage)
-        return stage
-
     def _anchor(self, request: messages.Anchor) -> messages.Anchored:
+        name = self._shots.shots[request.shot].name
+        self._reporter.stage(f"comparing with Cycles, render {request.number}{f', {name}' if name else ''}")
         job = self._shots.show(request.shot)
         analysis = job.analysis
         return anchors.answer_anchor(analysis.scene, job.folder, request, analysis.objects, analysis.pivot)
 
 
 def run_one(vibe: HeadlessVibe, queue: list[Any]) -> SceneAnalysis:
-    """Runs a vibe as `HeadlessVibe.run`; Ctrl-C ends its search early, and empties `queue`, the work that was to follow."""
+    """Runs a vibe as `HeadlessVibe.run`; Ctrl-C ends its search early, and empties `queue`, the work that was to follow.
 
-    def stop() -> None:
-        queue.clear()
-        vibe.stop()
+    A second Ctrl-C ends the process.
+    """
+    # Python runs signal handlers only between its own instructions, so not while Cycles renders. Therefore signal numbers
+    # are written to a socket, which a thread reads.
+    reading, writing = socket.socketpair()
+    writing.setblocking(False)
+    for number in (signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGBREAK", None)):
+        if number is not None:
+            signal.signal(number, lambda number, frame: None)
+    signal.set_wakeup_fd(writing.fileno(), warn_on_full_buffer=False)
 
-    on_interrupt(stop)
+    def watch() -> None:
+        with writing:  # keeps the socket open while the thread reads
+            reading.recv(1)
+            queue.clear()
+            vibe.stop()
+            reading.recv(1)
+            os._exit(130)
+
+    threading.Thread(target=watch, daemon=True).start()
     return vibe.run()

@@ -35,33 +35,21 @@ _Answer = TypeVar("_Answer", messages.Result, messages.Finished, messages.Checke
 
 
 class Driver:
-    """One vibe as the engine works on it: sends requests, takes answers, keeps what the engine has reported.
+    """One vibe as the engine works on it: sends requests, takes answers, keeps what the engine has reported."""
 
-    Attributes:
-        patience: Seconds without a message after which the engine is ended.
-        stage: The present stage, in words.
-        progress: The newest progress message.
-        before: The engine's image of the scene before the vibe.
-        look: The newest look that is shown in the scene before the result.
-        words: Look word to whether it is visible on that look's image.
-        preview: The newest image of the look.
-        variants: The variants, the best first, each with its image; empty unless several were requested.
-        sequence: The frames at which the result was checked.
-    """
-
-    patience = math.inf
+    patience = math.inf  # seconds without a message after which the engine is ended
 
     def __init__(self, engine: Engine, job: Path) -> None:
-        self._engine = engine
-        self.stage = "Starting the engine"
-        self.progress: messages.Progress | None = None
-        self.before: Path | None = None
-        self.look: messages.LookSoFar | None = None
-        self.words: dict[str, bool] = {}
-        self.preview: Path | None = None
+        self._engine, self._job = engine, job
+        self.stage = "Starting the engine"  # the present stage, in words
+        self.progress: messages.Progress | None = None  # the newest progress message
+        self.before: Path | None = None  # the engine's image of the scene before the vibe
+        self.look: messages.LookSoFar | None = None  # the newest look that is shown in the scene before the result
+        self.words: dict[str, bool] = {}  # look word -> whether it is visible on that look's image
+        self.preview: Path | None = None  # the newest image of the look
+        # the variants, the best first, each with its image; empty unless several were requested
         self.variants: list[tuple[messages.Variant, Path]] = []
-        self.sequence: tuple[CheckedFrame, ...] = ()
-        self._job = job
+        self.sequence: tuple[CheckedFrame, ...] = ()  # the frames at which the result was checked
         self._result: messages.Result | None = None
         self._last_word_at = 0.0  # time of the engine's last message; 0 before the first request
         self._stopping = False
@@ -83,11 +71,6 @@ class Driver:
         return time.monotonic() - self._last_word_at if self.asked and not self._result else 0.0
 
     @property
-    def can_stop(self) -> bool:
-        """True if the search has begun and is not stopping: then `stop` gives its best look so far."""
-        return self.progress is not None and not self._stopping
-
-    @property
     def report(self) -> Mapping[str, Any]:
         """The fields of report.json that the engine knows; empty before the result."""
         return self._result.report if self._result else {}
@@ -96,11 +79,6 @@ class Driver:
     def prediction_error(self) -> float | None:
         """Mean CIEDE2000 between the last prediction and the anchor after it; None without anchors."""
         return self.report.get("anchored", {}).get("predicted")
-
-    @property
-    def anchor_notes(self) -> list[str]:
-        """Failures of anchors, in words for the artist."""
-        return self.report.get("anchored", {}).get("notes", [])
 
     def receive(self, message: messages.Message) -> None:
         """Updates the attributes from a message of the engine."""
@@ -124,12 +102,9 @@ class Driver:
             self.variants = [(v, self._job / v.picture) for v in message.variants]
 
     def stop(self) -> None:
-        """Asks the engine to end the search with the best look so far.
-
-        Any thread may call this. Before the first request, the stop is sent right after it.
-        """
+        """Asks the engine to end the search with the best look so far; any thread may call this."""
         self.stage, self._stopping = "Stopping", True
-        if self.asked:
+        if self.asked:  # else `_ask` sends it after the first request
             self._engine.send(messages.Stop())
 
     def _ready_engine(self) -> Generator[str]:
@@ -171,7 +146,7 @@ class Driver:
                 # A search that is stopping waits for no anchor.
                 if isinstance(message, messages.Anchor) and not self._stopping:
                     # The render blocks Blender for about a second, so the stage is shown first.
-                    self.stage = self._anchor_stage(message)
+                    self.stage = ANCHORING
                     yield self.stage
                     self._engine.send(self._anchor(message))
                     self._last_word_at = time.monotonic()
@@ -187,13 +162,8 @@ class Driver:
         """Raises VibeError, and ends the engine, if it has been silent for longer than `patience`."""
         if self.silence > self.patience:
             self._engine.stop(patience=0.02)
-            raise schema.VibeError(
-                f"The engine has said nothing for {self.patience / 60:.0f} minutes, and was ended.",
-                f"Try again; if it happens again, see {self._engine.log}.",
-            )
-
-    def _anchor_stage(self, request: messages.Anchor) -> str:
-        return ANCHORING
+            problem = f"The engine has said nothing for {self.patience / 60:.0f} minutes, and was ended."
+            raise schema.VibeError(problem, f"Try again; if it happens again, see {self._engine.log}.")
 
     def _anchor(self, request: messages.Anchor) -> messages.Anchored:
         raise NotImplementedError

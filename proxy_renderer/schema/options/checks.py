@@ -65,13 +65,16 @@ def moments(given: argparse.Namespace) -> list[tuple[int, str]]:
     return timed(text) if text.strip() else []
 
 
-def steady(given: argparse.Namespace) -> None:
-    """Refuses `--steady` without `--check-every`, or with options that go on from the look of a single frame."""
+def shots(given: argparse.Namespace, several: bool) -> None:
+    """Refuses options for a single shot if there are several, and what does not fit `--steady`."""
     if given.steady and not given.check_every:
         raise VibeError("--steady has no frames to hold at.", "Say which are checked: --check-every 10.")
-    if given.steady and (clash := [name for name in ("then", "offset_keys") if getattr(given, name)]):
-        flag = f"--{clash[0].replace('_', '-')}"
-        raise VibeError(f"{flag} goes on from one frame's look.", f"Leave out {flag} or --steady.")
+    for name in ("then", "check_every", "offset_keys"):
+        flag = f"--{name.replace('_', '-')}"
+        if getattr(given, name) and given.steady and name != "check_every":
+            raise VibeError(f"{flag} goes on from one frame's look.", f"Leave out {flag} or --steady.")
+        if getattr(given, name) and several:
+            raise VibeError(f"{flag} is for one shot.", "Leave out more scenes, --cameras and --frames.")
 
 
 def timed(text: str) -> list[tuple[int, str]]:
