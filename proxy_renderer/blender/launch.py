@@ -77,10 +77,17 @@ class VibeProgress(TerminalBar):
             self.stage(event["name"])
         elif kind == "note":
             self.note(f"Note: {event['line']}")
-        elif kind == "progress":
-            self._progress(event)
         elif kind == "result":
             self._result = event
+        elif kind == "progress":
+            number, rounds, steps, left = event["round"], event["rounds"], event["steps"], int(event["seconds_left"])
+            title = f"round {number} of {rounds}"
+            detail = f"loss {event['loss']:.3f}   {left // 60}:{left % 60:02d} left"
+            done = (number - 1) * steps + event["step"]
+            self._bar.update(self._task, description=title, total=rounds * steps, completed=done, detail=detail)
+            if self._plain and number != self._round:
+                self._round = number
+                self.stage(f"{title}: {detail}")
 
     def stage(self, name: str) -> None:
         """Shows that a new stage begins."""
@@ -99,16 +106,6 @@ class VibeProgress(TerminalBar):
         missing = ", ".join(self._result.get("missing", []))
         ended = f"Ended without {missing}, after" if missing else "Done in"
         self.note(f"{ended} {seconds:.0f} s. Open {picture if picture.is_file() else out}")
-
-    def _progress(self, event: dict[str, Any]) -> None:
-        number, rounds, steps = event["round"], event["rounds"], event["steps"]
-        left = int(event["seconds_left"])
-        title, detail = (f"round {number} of {rounds}", f"loss {event['loss']:.3f}   {left // 60}:{left % 60:02d} left")
-        done = (number - 1) * steps + event["step"]
-        self._bar.update(self._task, description=title, total=rounds * steps, completed=done, detail=detail)
-        if self._plain and number != self._round:
-            self._round = number
-            self.stage(f"{title}: {detail}")
 
 
 _TRACE = re.compile(r"(Fatal Python error|Current thread|Thread 0x|Extension modules|\s+File |EGL Error|VIBE )")
@@ -132,8 +129,7 @@ def crash(code: int, doing: str, output: Sequence[str]) -> errors.UnexpectedErro
 def last_words(output: Sequence[str]) -> str:
     """The one of the last lines of output that says most about a crash."""
     lines = [line.strip() for line in output if line.strip() and not _TRACE.match(line)][-_LAST:]
-    telling = [line for line in lines if _TELLING.search(line)]
-    return (telling or lines or [""])[-1][:200].rstrip(".")
+    return (list(filter(_TELLING.search, lines)) or lines or [""])[-1][:200].rstrip(".")
 
 
 def memory(number: int) -> int:
@@ -175,8 +171,12 @@ def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None
     tail: deque[str] = deque(maxlen=400)
     failure: VibeError | None = None
     scratch = tempfile.TemporaryDirectory(prefix="vibe-", ignore_cleanup_errors=True)
+    # A group of its own: a terminal sends Ctrl-C to its whole group, and this process passes it on.
+    group: dict[str, Any] = {"start_new_session": True}
+    if os.name == "nt":
+        group = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}  # type: ignore[attr-defined]
     with scratch as folder, progress:
-        process = start([str(blender_side()), "--events", *arguments], Path(folder), **_own_group())
+        process = start([str(blender_side()), "--events", *arguments], Path(folder), **group)
         with _forwarded_interrupts(process, progress) as presses:
             for now in events(process, tail):
                 doing = now["name"] if now.get("type") == "stage" else doing
@@ -259,13 +259,6 @@ def handling(handler: Any, *numbers: int) -> Iterator[None]:
     finally:
         for number, old in before.items():
             signal.signal(number, old or signal.SIG_DFL)  # None: it was not set from Python
-
-
-def _own_group() -> dict[str, Any]:
-    """Options of Popen for a group of its own: a terminal sends Ctrl-C to its whole group, and this process passes it on."""
-    if os.name == "nt":
-        return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}  # type: ignore[attr-defined]
-    return {"start_new_session": True}
 
 
 def blender_side() -> Path:

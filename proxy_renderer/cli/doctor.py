@@ -94,8 +94,7 @@ def _torch() -> str:
 
 
 def _rays() -> str:
-    remedy = "pip install embreex trimesh dracopy"
-    _imported("What reads meshes", remedy, "DracoPy", "embreex", "trimesh")
+    _imported("What reads meshes", "pip install embreex trimesh dracopy", "DracoPy", "embreex", "trimesh")
     return ", ".join(f"{name} {metadata.version(name)}" for name in ("embreex", "trimesh", "dracopy"))
 
 
@@ -136,10 +135,8 @@ def try_model(endpoint: Endpoint) -> str:
     client = Client(endpoint)
     square = jpeg_of(Image.new("RGB", (64, 64), (220, 20, 20)))
     system = 'Name the color of the square in one word, as {"color": "..."}. Say "unseen" if there is no picture.'
-    answer = client.ask(
-        Question(system, "What color is it?", square, json_object(color={"type": "string"})), fresh=True
-    )
-    color = clean(answer.get("color"), 40)
+    question = Question(system, "What color is it?", square, json_object(color={"type": "string"}))
+    color = clean(client.ask(question, fresh=True).get("color"), 40)
     sees = "red" in color.lower() and client.dialect.pictures
     eyesight = "sees pictures" if sees else "does NOT see pictures: it plans from numbers, and cannot judge"
     return (

@@ -8,6 +8,7 @@ import argparse
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
@@ -25,8 +26,7 @@ _HOW = ("picture", "effort", "reach", "engine", "render")  # groups of options t
 
 def _add_scene(parser: argparse.ArgumentParser, optional: bool = False) -> None:
     count: dict[str, Any] = {"nargs": "?", "default": ""} if optional else {}
-    meshes = " ".join(MESH_FORMATS)
-    parser.add_argument("scene", metavar="SCENE", help=f"a .blend, or a mesh: {meshes}", **count)
+    parser.add_argument("scene", metavar="SCENE", help=f"a .blend, or a mesh: {' '.join(MESH_FORMATS)}", **count)
     command_line.add_option(parser, named("subject"))
 
 
@@ -41,8 +41,7 @@ def _add_out(parser: argparse.ArgumentParser, help: str, default: str = "") -> N
 
 def _run_options(parser: argparse.ArgumentParser) -> None:
     _add_scene(parser)
-    more = "more .blends that are to have the same look"
-    parser.add_argument("more", nargs="*", metavar="SCENE", help=more)
+    parser.add_argument("more", nargs="*", metavar="SCENE", help="more .blends that are to have the same look")
     command_line.add_option(parser, named("prompt"))
     command_line.add_option(parser, named("then"))
     _add_out(parser, "folder for images, .blend and report")
@@ -54,8 +53,7 @@ def _run(a: argparse.Namespace) -> int:
     scene = check.scene(a.scene)
     if a.stage and scene.suffix.lower() == ".blend":
         raise VibeError("--stage is for bare meshes; a .blend brings its own.", "Leave --stage out.")
-    scenes = check.shots([scene, *map(check.scene, a.more)], a)
-    return carry_out(a, "run", scenes)
+    return carry_out(a, "run", check.shots([scene, *map(check.scene, a.more)], a))
 
 
 def _demo_options(parser: argparse.ArgumentParser) -> None:
@@ -126,8 +124,7 @@ def _batch(a: argparse.Namespace) -> int:
 def _flamenco_options(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("action", choices=("install",), metavar="install", help="the only thing to do with it")
-    scripts = "folder `scripts` of your Flamenco Manager"
-    add("--scripts", required=True, type=Path, metavar="DIR", help=scripts)
+    add("--scripts", required=True, type=Path, metavar="DIR", help="folder `scripts` of your Flamenco Manager")
 
 
 def _flamenco(a: argparse.Namespace) -> int:
@@ -142,8 +139,7 @@ def _flamenco(a: argparse.Namespace) -> int:
 
 
 def _apply_options(parser: argparse.ArgumentParser) -> None:
-    preset = "a preset.json that `vibe run` has written, or a name: noir"
-    parser.add_argument("preset", metavar="PRESET", help=preset)
+    parser.add_argument("preset", metavar="PRESET", help="a preset.json that `vibe run` has written, or a name: noir")
     _add_scene(parser)
     _add_out(parser, "folder for pictures and .blend")
     render = parser.add_argument_group("render")
@@ -172,8 +168,7 @@ def _revert(a: argparse.Namespace) -> int:
 
     scene = check.scene(a.scene)
     if scene.suffix.lower() != ".blend":
-        remedy = "Revert takes the vibed.blend that a vibe has written."
-        raise VibeError(f"{a.scene} is not a .blend.", remedy)
+        raise VibeError(f"{a.scene} is not a .blend.", "Revert takes the vibed.blend that a vibe has written.")
     return launch(["revert", str(scene)], scene)
 
 
@@ -217,45 +212,39 @@ def _vocabulary_options(parser: argparse.ArgumentParser) -> None:
     test = actions.add_parser("test", help="say how a prompt is read with it")
     test.add_argument("text", metavar="TEXT", help="the look")
     listed = actions.add_parser("list", help="list entries and colors")
-    part = "only those with this in a wording"
-    listed.add_argument("part", metavar="TEXT", nargs="?", default="", help=part)
+    listed.add_argument("part", metavar="TEXT", nargs="?", default="", help="only those with this in a wording")
     for action in (add, test, listed):
         command_line.add_option(action, named("vocabulary"))
 
 
 def _vocabulary(a: argparse.Namespace) -> int:
+    from ..folders import config_folder
+    from ..words.lexicon import user_words
+
     if a.action == "add":
-        _add_word(a)
-    elif a.action == "test":
+        if bool(a.color) == bool(a.wish or a.means):
+            raise VibeError(f"'{a.name}' needs a color, or what it does.", "Give --color, or --wish, or --means.")
+        path = Path(a.vocabulary).expanduser() if a.vocabulary else config_folder() / "vocabulary.toml"
+        if a.color:
+            user_words.add_color(path, a.name, a.color)
+        else:
+            facts = {"slot": a.slot, "words": a.words, "wishes": a.wish, "means": a.means}
+            user_words.add_look(path, a.name, facts)
+        print(f"'{a.name}' is in {path} now.")
+        return 0
+    check.vocabulary(a.vocabulary)
+    if a.action == "test":
         from .explain import account
 
-        check.vocabulary(a.vocabulary)
         print(account(a.text, as_json=False))
     else:
-        from ..words.lexicon.user_words import default_vocabulary
-
-        check.vocabulary(a.vocabulary)
-        known, part = default_vocabulary(), a.part.lower()
+        known, part = user_words.default_vocabulary(), a.part.lower()
         for entry in known.entries.values():
             if any(part in word for word in entry.words):
                 others = ", ".join(word for word in entry.words if word != entry.name)
                 print(f"{entry.name} ({entry.slot}){': ' + others if others else ''}")
         print("\n".join(f"{name} (color)" for name in known.colors if part in name))
     return 0
-
-
-def _add_word(a: argparse.Namespace) -> None:
-    from ..folders import config_folder
-    from ..words.lexicon.user_words import add_color, add_look
-
-    if bool(a.color) == bool(a.wish or a.means):
-        raise VibeError(f"'{a.name}' needs a color, or what it does.", "Give --color, or --wish, or --means.")
-    path = Path(a.vocabulary).expanduser() if a.vocabulary else config_folder() / "vocabulary.toml"
-    if a.color:
-        add_color(path, a.name, a.color)
-    else:
-        add_look(path, a.name, {"slot": a.slot, "words": a.words, "wishes": a.wish, "means": a.means})
-    print(f"'{a.name}' is in {path} now.")
 
 
 # --- doctor, extension ---
@@ -324,11 +313,7 @@ class Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.program}: {message[:1].upper()}{message[1:]}. See `{self.prog} --help`.\n")
 
 
-class Help(argparse.HelpFormatter):
-    """Help texts in a column wide enough for the option names."""
-
-    def __init__(self, prog: str) -> None:
-        super().__init__(prog, max_help_position=28, width=100)
+Help = partial(argparse.HelpFormatter, max_help_position=28, width=100)  # a column wide enough for the option names
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -371,8 +356,7 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("--version", action="version", version=f"vibe-render {__version__}")
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True, parser_class=Parser)
     for name, command in COMMANDS.items():
-        says = command.summary
-        sub = commands.add_parser(name, help=says, description=says, formatter_class=Help)
+        sub = commands.add_parser(name, help=command.summary, description=command.summary, formatter_class=Help)
         sub.set_defaults(act=command.act)
         command.add_options(sub)
     return top
