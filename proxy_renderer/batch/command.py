@@ -10,7 +10,7 @@ import re
 import signal
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from datetime import timedelta
 from itertools import islice
 from pathlib import Path
@@ -22,7 +22,7 @@ from ..blender.launch import TerminalBar, blender_side, handling
 from ..schema import VibeError
 from ..words.lexicon.user_words import VARIABLE
 from . import manifest
-from .manifest import BatchPlan, Job, Jobs, Limits
+from .manifest import BatchPlan, Job, Limits
 from .pools import Pool, cluster_pool, fitting, local_pool, machine
 from .store import DONE, FAILED, Finals, JobRow, Sheet, Store, head, read_json, write_bytes
 from .worker import Setup
@@ -153,7 +153,7 @@ def run(a: argparse.Namespace) -> int:
         return 1 if failed else 0
 
 
-def _pass(jobs: Jobs, store: Store, pool: Pool, limits: Limits, sheet: Sheet) -> int:
+def _pass(jobs: Iterable[Job], store: Store, pool: Pool, limits: Limits, sheet: Sheet) -> int:
     """Carries out jobs with their progress shown; returns how many have failed."""
     finished = store.finished(jobs)
     progress = BatchProgress(len(finished), sum(finished))
@@ -178,7 +178,7 @@ Tell = Callable[[str, Job, JobRow], None]  # is called with "started", "done", "
 
 
 def carry_out(
-    plan: Jobs, store: Store, pool: Pool, limits: Limits, tell: Tell, finished: Sequence[int] | None = None
+    plan: Iterable[Job], store: Store, pool: Pool, limits: Limits, tell: Tell, finished: Sequence[int] | None = None
 ) -> None:
     """Carries out the jobs that are not done. `finished` has for each job 1 if it is done, else 0; None to look it up."""
     finished = store.finished(plan) if finished is None else finished

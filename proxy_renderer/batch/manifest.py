@@ -16,7 +16,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from .. import __version__
 from ..inputs import check
@@ -262,14 +262,6 @@ class Job:
     # None for a vibe; otherwise the final frames that the job renders of its result: "1-24", "" for the scene's own
     frames: str | None = None
     takes: tuple[Take, ...] = ()  # these frames, for every .blend and camera of the result; empty for a vibe
-
-
-class Jobs(Protocol):
-    """Jobs that every iteration creates anew, one at a time."""
-
-    def __len__(self) -> int: ...
-
-    def __iter__(self) -> Iterator[Job]: ...
 
 
 class BatchPlan:

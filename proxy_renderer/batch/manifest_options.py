@@ -10,8 +10,8 @@ from typing import Any
 
 from ..inputs import check
 from ..schema import VibeError, frame_numbers
-from ..schema.options import checks, command_line
-from ..schema.options.table import TABLE, Option
+from ..schema.options import checks
+from ..schema.options.table import TABLE, Option, to_arguments
 
 
 class TomlSource:
@@ -91,7 +91,7 @@ class OptionReader:
             frame_numbers(getattr(given, "frames", ""))
             if given.vocabulary:
                 check.vocabulary(str(self._base / given.vocabulary))
-            if row.name in IN_FILES and value:
+            if row.name in IN_FILES and isinstance(value, str) and value:
                 path = str(self._base / value)
                 value = str(check.file(path, "picture")) if row.name == "like" else check.goals(path)
         return value
@@ -112,7 +112,7 @@ class OptionReader:
         if scenes[0].suffix.lower() == ".blend":
             given.stage = ""
         rows = [row for row in self._rows.values() if row.name not in ("prompt", "seed")]
-        return tuple(command_line.to_arguments(given, rows))
+        return tuple(to_arguments(given, rows))
 
 
 def texts(given: Any) -> bool:

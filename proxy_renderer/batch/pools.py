@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import psutil
 
@@ -28,24 +28,8 @@ _PATIENCE = 5  # attempts to reach a head node that does not answer
 _FAREWELL = 10.0  # seconds that workers get to end their processes
 
 
-class Pool(Protocol):
-    """Workers, wherever they are."""
-
-    def capacity(self) -> int:
-        """Number of jobs that can run at the same time, at this moment."""
-
-    def submit(self, job: Job) -> None:
-        """Hands out a job."""
-
-    def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
-        """Waits for jobs to end; returns them with their rows, None for a job whose worker is lost."""
-
-    def close(self) -> None:
-        """Ends all workers now."""
-
-
 class LocalPool:
-    """A `Pool` on this machine, with a thread for each worker."""
+    """Workers on this machine, each with a thread."""
 
     def __init__(self, jobs: Path, workers: list[Worker]) -> None:
         self._jobs, self._workers = jobs, workers
@@ -64,7 +48,7 @@ class LocalPool:
         self._out[self._threads.submit(self._run, job)] = job
 
     def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
-        """As `Pool.wait`; a job whose worker was closed has the status "interrupted"."""
+        """Waits for jobs to end; returns them with their rows. A job whose worker was closed is "interrupted"."""
         ended, _ = wait(self._out, seconds, FIRST_COMPLETED)
         return [(self._out.pop(future), future.result()) for future in ended]
 
@@ -161,7 +145,7 @@ class Station:
 
 
 class RayPool:
-    """A `Pool` of stations: as many as the nodes have room for, and at most `most` unless that is 0."""
+    """Stations on a cluster: as many as the nodes have room for, and at most `most` unless that is 0."""
 
     def __init__(self, ray: Any, store: Store, setup: Setup, most: int = 0) -> None:
         self._ray, self._store, self._setup, self._most = ray, store, setup, most
@@ -189,7 +173,10 @@ class RayPool:
         self._out[station.run.remote(job, *(self._scenes[source] for source in sources))] = (station, job)
 
     def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
-        """As `Pool.wait`; also registers stations that have started, and drops those that have died."""
+        """Waits for jobs to end; returns them with their rows, None for a job whose station has died.
+
+        Also registers stations that have started.
+        """
         self._look()
         waiting = [*self._coming, *self._out]
         if not waiting:
@@ -296,3 +283,6 @@ def cluster_pool(address: str, store: Store, setup: Setup, most: int = 0) -> Ray
         remedy = "Start one with `ray start --head`, and join it with `ray start --address HOST:6379`."
         raise VibeError(f"There is no Ray cluster at {address}.", remedy) from error
     return RayPool(ray, store, setup, most)
+
+
+Pool = LocalPool | RayPool

@@ -30,7 +30,7 @@ from filelock import FileLock, Timeout
 
 from ..schema import VibeError, atomic
 from ..schema.options import checks
-from .manifest import BatchPlan, Job, Jobs, Take
+from .manifest import BatchPlan, Job, Take
 
 JobRow = dict[str, Any]
 DONE, FAILED, LOG = "done.json", "failed.json", "log.txt"
@@ -161,12 +161,9 @@ def tidy(folder: Path) -> None:
 class Finals:
     """A job for the final frames of every finished result; frames stay when such a job is tried again."""
 
-    def __init__(self, plan: Jobs, store: Store, frames: str) -> None:
+    def __init__(self, plan: Iterable[Job], store: Store, frames: str) -> None:
         # frames: "1-24"; or "" for those that the look was made for, else the scene's own
         self._plan, self._store, self._frames = plan, store, frames
-
-    def __len__(self) -> int:
-        return sum(self._store.finished(self._plan))
 
     def __iter__(self) -> Iterator[Job]:
         for job in filter(self._store.done, self._plan):

@@ -19,7 +19,7 @@ from ..schema.options import checks
 from .launch import blender_side
 
 _LEFTOVERS = ("__pycache__", "*.pyc", "*.md")
-_OF_THE_COMMAND = ("cli", "batch", "blender", "command_line.py", "preset.py")
+_OF_THE_COMMAND = ("cli", "batch", "blender", "preset.py")
 """Folders and modules of the engine's package that only the command `vibe` runs: the zip leaves them out."""
 
 

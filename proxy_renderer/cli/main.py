@@ -16,8 +16,8 @@ from .. import __version__
 from ..inputs import check
 from ..schema import VibeError, errors, limits
 from ..schema.limits import MESH_FORMATS
-from ..schema.options import checks, command_line
-from ..schema.options.table import named
+from ..schema.options import checks
+from ..schema.options.table import add_option, add_options, named, to_arguments
 from ..schema.sentences import about_steps, plain
 
 DEMO_PROMPT = "Glossy teal on a pale sand background, warm soft light, slight vignette"
@@ -27,7 +27,7 @@ _HOW = ("picture", "effort", "reach", "engine", "render")  # groups of options t
 def _add_scene(parser: argparse.ArgumentParser, optional: bool = False) -> None:
     count: dict[str, Any] = {"nargs": "?", "default": ""} if optional else {}
     parser.add_argument("scene", metavar="SCENE", help=f"a .blend, or a mesh: {' '.join(MESH_FORMATS)}", **count)
-    command_line.add_option(parser, named("subject"))
+    add_option(parser, named("subject"))
 
 
 def _add_out(parser: argparse.ArgumentParser, help: str, default: str = "") -> None:
@@ -42,11 +42,11 @@ def _add_out(parser: argparse.ArgumentParser, help: str, default: str = "") -> N
 def _run_options(parser: argparse.ArgumentParser) -> None:
     _add_scene(parser)
     parser.add_argument("more", nargs="*", metavar="SCENE", help="more .blends that are to have the same look")
-    command_line.add_option(parser, named("prompt"))
-    command_line.add_option(parser, named("then"))
+    add_option(parser, named("prompt"))
+    add_option(parser, named("then"))
     _add_out(parser, "folder for images, .blend and report")
-    command_line.add_option(parser, named("stage"), default="")
-    command_line.add_options(parser, ("shots", "moments", *_HOW))
+    add_option(parser, named("stage"), default="")
+    add_options(parser, ("shots", "moments", *_HOW))
 
 
 def _run(a: argparse.Namespace) -> int:
@@ -58,10 +58,10 @@ def _run(a: argparse.Namespace) -> int:
 
 def _demo_options(parser: argparse.ArgumentParser) -> None:
     shown = f"the look (default: {DEMO_PROMPT}; with a reference image: none)"
-    command_line.add_option(parser, named("prompt"), default=None, help=shown)
-    command_line.add_option(parser, named("then"))
+    add_option(parser, named("prompt"), default=None, help=shown)
+    add_option(parser, named("then"))
     _add_out(parser, "folder (default: %(default)s)", "demo")
-    command_line.add_options(parser, _HOW)
+    add_options(parser, _HOW)
 
 
 def _demo(a: argparse.Namespace) -> int:
@@ -95,7 +95,7 @@ def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> 
             if about_steps(sentence) is None:
                 check.words(plain(sentence)[0], a)
         out = checks.folder(a.out)  # last: a mistake leaves no folder
-        return launch([what, *places, f"--out={out}", *command_line.to_arguments(a)], out)
+        return launch([what, *places, f"--out={out}", *to_arguments(a)], out)
 
 
 # --- batch, flamenco ---
@@ -143,8 +143,8 @@ def _apply_options(parser: argparse.ArgumentParser) -> None:
     _add_scene(parser)
     _add_out(parser, "folder for pictures and .blend")
     render = parser.add_argument_group("render")
-    command_line.add_option(render, named("size"), default=limits.STANDARD.size)
-    command_line.add_option(render, named("samples"))
+    add_option(render, named("size"), default=limits.STANDARD.size)
+    add_option(render, named("samples"))
 
 
 def _apply(a: argparse.Namespace) -> int:
@@ -155,7 +155,7 @@ def _apply(a: argparse.Namespace) -> int:
     preset, scene = check.preset(a.preset), check.scene(a.scene)
     out = checks.folder(a.out)
     with prepared(scene) as place:
-        return launch(["apply", preset, str(place), f"--out={out}", *command_line.to_arguments(a)], out)
+        return launch(["apply", preset, str(place), f"--out={out}", *to_arguments(a)], out)
 
 
 def _revert_options(parser: argparse.ArgumentParser) -> None:
@@ -178,8 +178,8 @@ def _revert(a: argparse.Namespace) -> int:
 def _explain_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("prompt", metavar="TEXT", help="the look")
     _add_scene(parser, optional=True)
-    command_line.add_option(parser, named("vocabulary"))
-    command_line.add_option(parser, named("target"))
+    add_option(parser, named("vocabulary"))
+    add_option(parser, named("target"))
     why = "what each look word may be bound to, with scores and the facts that decided"
     parser.add_argument("--why", action="store_true", help=why)
     goals = "what the words wish for, as JSON that `vibe run --goals` reads"
@@ -214,7 +214,7 @@ def _vocabulary_options(parser: argparse.ArgumentParser) -> None:
     listed = actions.add_parser("list", help="list entries and colors")
     listed.add_argument("part", metavar="TEXT", nargs="?", default="", help="only those with this in a wording")
     for action in (add, test, listed):
-        command_line.add_option(action, named("vocabulary"))
+        add_option(action, named("vocabulary"))
 
 
 def _vocabulary(a: argparse.Namespace) -> int:

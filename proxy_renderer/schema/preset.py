@@ -104,9 +104,20 @@ def _check_role(role: str, entries: Any) -> None:
         raise VibeError(f"The preset has an unknown role {quoted(role)}.", f"Roles are: {', '.join(ROLES)}.")
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise VibeError(f"The preset's role {role!r} is broken.", _OURS)
-    for entry in entries:
-        for name, value in entry.items():
-            _check_value(role, name, value)
+    for name, value in (item for entry in entries for item in entry.items()):
+        parameter = FAMILIES.get(f"{ROLES[role]}/{name}")
+        if parameter is None:
+            problem = f"The preset has an unknown parameter {role}/{quoted(name)}."
+            raise VibeError(problem, "Remove it from the preset.")
+        numbers = isinstance(value, list) and all(type(v) in (int, float) for v in value)
+        if not numbers or len(value) != parameter.components:
+            problem = f"The preset's {role}/{name} needs {parameter.components} numbers."
+            raise VibeError(problem, "Correct the preset.")
+        if any(isinstance(v, float) and not math.isfinite(v) for v in value):  # isfinite fails for a large int
+            raise VibeError(f"The preset's {role}/{name} is not a finite number.", "Correct the preset.")
+        if not all(parameter.lower <= v <= parameter.upper for v in value):
+            remedy = f"Use {parameter.lower:g} to {parameter.upper:g}."
+            raise VibeError(f"The preset's {role}/{name} is out of bounds: {quoted(str(value))}.", remedy)
 
 
 def _check_kinds(kinds: Any, roles: Mapping[str, list[Entry]]) -> None:
@@ -121,22 +132,6 @@ def _check_kinds(kinds: Any, roles: Mapping[str, list[Entry]]) -> None:
             if each not in LIGHT_TYPES:
                 remedy = f"Types are: {', '.join(LIGHT_TYPES)}."
                 raise VibeError(f"The preset has an unknown type of light {quoted(str(each))}.", remedy)
-
-
-def _check_value(role: str, name: str, value: Any) -> None:
-    parameter = FAMILIES.get(f"{ROLES[role]}/{name}")
-    if parameter is None:
-        remedy = "Remove it from the preset."
-        raise VibeError(f"The preset has an unknown parameter {role}/{quoted(name)}.", remedy)
-    numbers = isinstance(value, list) and all(type(v) in (int, float) for v in value)
-    if not numbers or len(value) != parameter.components:
-        problem = f"The preset's {role}/{name} needs {parameter.components} numbers."
-        raise VibeError(problem, "Correct the preset.")
-    if any(isinstance(v, float) and not math.isfinite(v) for v in value):  # isfinite fails for a large int
-        raise VibeError(f"The preset's {role}/{name} is not a finite number.", "Correct the preset.")
-    if not all(parameter.lower <= v <= parameter.upper for v in value):
-        remedy = f"Use {parameter.lower:g} to {parameter.upper:g}."
-        raise VibeError(f"The preset's {role}/{name} is out of bounds: {quoted(str(value))}.", remedy)
 
 
 def clamped(group: str, values: Mapping[str, Sequence[float]]) -> Entry:

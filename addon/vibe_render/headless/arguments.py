@@ -13,7 +13,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NoReturn
 
-from ..core.schema_import import checks, command_line, errors, messages, options, schema
+from ..core.schema_import import checks, errors, messages, options, schema
 
 _COMMANDS = {
     "run": ("scene",),
@@ -83,7 +83,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--revert", action="store_true", help="take every vibe out of the file again, in place")
     add("--out", type=Path, default=None, metavar="DIR", help="folder for what is written")
     add("--engine", default="", metavar="PYTHON", help="Python that has the engine")
-    command_line.add_options(parser, options.HEADINGS, [option for option in options.TABLE if option.blender])
+    options.add_options(parser, options.HEADINGS, [option for option in options.TABLE if option.blender])
     return parser
 
 

@@ -18,7 +18,7 @@ import bpy
 
 from ..core import preferences
 from ..core.files import Outputs
-from ..core.schema_import import command_line, messages, schema
+from ..core.schema_import import messages, options, schema
 from ..engine.process import Engine
 from ..export import notes
 from ..export.analysis import SceneAnalysis
@@ -97,10 +97,10 @@ class HeadlessVibe(Driver):
             for job, shot in zip(self._shots.jobs, self._shots.shots, strict=True)
         ]
         free_camera = self._shots.bare and not several
-        options = command_line.engine_options(self._args, camera=free_camera, online=preferences.online())
-        options = replace(options, goes_on=not self._change.first)
+        chosen = options.engine_options(self._args, camera=free_camera, online=preferences.online())
+        chosen = replace(chosen, goes_on=not self._change.first)
         words, others = self._args.prompt, shots if several else []
-        self._ask(messages.Vibe(schema.schema_hash(), shots[0].job, words, asdict(options), shots=others))
+        self._ask(messages.Vibe(schema.schema_hash(), shots[0].job, words, asdict(chosen), shots=others))
         # Render before.png while the engine works. Backwards, because the last shot is still open.
         for number in reversed(range(len(self._shots))):
             if self._shown:

@@ -47,11 +47,7 @@ def prompt(text: str, like: str = "", goals: str = "", then: Sequence[str] = ())
 
 
 def moments(given: argparse.Namespace) -> list[tuple[int, str]]:
-    """Frames and looks of `--moments`, in their order; empty with `--markers` or without moments.
-
-    Raises:
-        VibeError: They are not written as frames and looks, or other options contradict them.
-    """
+    """Frames and looks of `--moments`; empty with `--markers` or without moments. Refuses options that contradict them."""
     text, markers = getattr(given, "moments", ""), getattr(given, "markers", False)
     if not (text.strip() or markers):
         return []
@@ -107,8 +103,9 @@ def in_order(found: list[tuple[int, str]]) -> list[tuple[int, str]]:
 
 def numbers(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> None:
     """Fills in the numbers that the effort decides; raises VibeError for a number out of its option's bounds."""
-    if all(hasattr(given, name) for name in ("effort", *limits.NUMBERS)):
-        limits.fill(given)
+    for name in limits.NUMBERS if hasattr(given, "effort") else ():
+        if getattr(given, name) is None:
+            setattr(given, name, getattr(limits.BUDGETS[given.effort], name))
     for option in table:
         value = getattr(given, option.name, None)
         if option.bounds and value is not None and not option.bounds[0] <= value <= option.bounds[1]:
@@ -156,8 +153,7 @@ def targets(pairs: Iterable[str]) -> dict[str, str]:
     for pair in pairs:
         word, _, target = pair.partition("=")
         if not (word.strip() and target.strip()):
-            remedy = "Write WORD=TARGET, as in --target copper=Cup."
-            raise VibeError(f"The target {pair!r} says nothing.", remedy)
+            raise VibeError(f"The target {pair!r} says nothing.", "Write WORD=TARGET, as in --target copper=Cup.")
         found[word.strip()] = target.strip()
     return found
 
@@ -170,7 +166,6 @@ def folder(path: Path) -> Path:
         with tempfile.TemporaryFile(dir=path):
             pass
     except OSError as error:
-        reason = error.strerror or type(error).__name__
-        remedy = "Choose another with --out."
-        raise VibeError(f"The folder {path} cannot be written ({reason}).", remedy) from error
+        problem = f"The folder {path} cannot be written ({error.strerror or type(error).__name__})."
+        raise VibeError(problem, "Choose another with --out.") from error
     return path.resolve()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The options of a vibe: the only table.
+"""The options of a vibe: the only table, and its conversion to command lines and back.
 
-From it come the command lines of `vibe` and of Blender's side (`command_line`) and with them the table in the documents,
+From it come the command lines of `vibe` and of Blender's side, and with them the table in the documents,
 their checks (`checks`), the message to the engine (`Options`), Blender's properties, and the options in a
 manifest of `vibe batch`. A new option is one row: a field of `Options` if the engine has to know it, else a row of `TASK`
 or `SUPPORT`.
@@ -9,6 +9,7 @@ or `SUPPORT`.
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, TypeVar
@@ -257,3 +258,51 @@ TABLE = (*TASK, *rows(Options), *SUPPORT)
 def named(name: str, table: Iterable[Option] = TABLE) -> Option:
     """The row of an option."""
     return next(row for row in table if row.name == name)
+
+
+def add_option(container: argparse._ActionsContainer, option: Option, **changes: Any) -> None:
+    """Adds one option; `changes` are its `default`, `required` and `help` in this command."""
+    default = changes.get("default", option.command_default)
+    keywords: dict[str, Any] = {"dest": option.name, "default": default, "help": option.text(default)}
+    if isinstance(option.default, bool):
+        keywords["action"] = "store_false" if option.default else "store_true"
+    elif isinstance(option.default, tuple):
+        keywords |= {"action": "append", "metavar": option.unit}
+    elif isinstance(option.default, int):
+        keywords |= {"type": int, "metavar": option.unit}
+    else:
+        keywords |= {"choices": option.choices} if option.choices else {"metavar": option.unit}
+    container.add_argument(option.flag, **(keywords | changes))
+
+
+def add_options(parser: argparse.ArgumentParser, headings: Iterable[str], table: Iterable[Option] = TABLE) -> None:
+    """Adds all options under some of the `HEADINGS`, each heading with its title."""
+    table = tuple(table)
+    for heading in headings:
+        title = HEADINGS[heading]
+        container = parser.add_argument_group(title) if title else parser
+        for option in table:
+            if option.heading == heading:
+                add_option(container, option)
+
+
+def to_arguments(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> list[str]:
+    """Arguments with the same options, for the command line of the Blender process."""
+    arguments: list[str] = []
+    for option in table:
+        value = getattr(given, option.name, None)
+        if not option.blender or option.name == "effort" or value is None:
+            continue
+        if isinstance(option.default, bool):
+            arguments += [option.flag] if value is not option.default else []
+        elif isinstance(option.default, tuple):
+            arguments += [f"{option.flag}={one}" for one in value]
+        elif value != "":
+            arguments.append(f"{option.flag}={value}")
+    return arguments
+
+
+def engine_options(given: argparse.Namespace, camera: bool, online: bool) -> Options:
+    """The options for the engine from a parsed command line."""
+    chosen = {row.name: getattr(given, row.name) for row in rows(Options)}
+    return Options.from_dict({**chosen, "camera": camera, "online": online})
