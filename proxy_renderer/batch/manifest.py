@@ -75,14 +75,22 @@ class _Reader:
         self._options = OptionReader(source, self._base)
 
     def manifest(self) -> tuple[BatchPlan, Limits]:
-        content = self._content
-        for key in content:
+        for key in self._content:
             if key not in _KNOWN:
                 raise self._problem(f"Unknown key {key!r}.", f"Use {', '.join(_KNOWN)}.", key)
-        limits = self._limits()
+        limits, defaults = self._table("limits"), {f.name: f.default for f in fields(Limits)}
+        for key, value in limits.items():
+            if key not in defaults:
+                raise self._problem(f"Unknown limit {key!r}.", f"Use {', '.join(defaults)}.", "limits", key)
+            whole = isinstance(defaults[key], int)
+            least = 0.01 if key in ("minutes", "cores") else 0.0
+            if type(value) not in ((int,) if whole else (int, float)) or value < least:
+                remedy = f"Write a {'whole number' if whole else 'number'}, as in {key} = {defaults[key]}."
+                raise self._problem(f"{key} cannot be {value!r}.", remedy, "limits", key)
         common = self._options.read(self._table("options"), ("options",))
-        everything = self._common_digest(content.get("files", []), common.get("vocabulary", ""))
-        return BatchPlan([*self._single(common, everything), *self._together(common, everything)]), limits
+        everything = self._common_digest(self._content.get("files", []), common.get("vocabulary", ""))
+        plan = BatchPlan([*self._single(common, everything), *self._together(common, everything)])
+        return plan, Limits(**limits)
 
     def _single(self, common: dict[str, Any], everything: str) -> Iterator[SceneGroup]:
         if self._content.get("scenes", []) == [] and "shots" in self._content:
@@ -107,12 +115,11 @@ class _Reader:
             keys = ("shots", str(number))
             name = table.get("name") if isinstance(table, dict) else None
             if not isinstance(name, str) or not name.strip() or name in names:
-                problem = "Shots that share a look need a name of their own."
-                raise self._problem(problem, 'Write name = "kitchen".', *keys)
+                remedy = 'Write name = "kitchen".'
+                raise self._problem("Shots that share a look need a name of their own.", remedy, *keys)
             names.add(name)
             scenes = [place for _, place in self._scenes(table.get("scenes"), *keys, "scenes")]
-            rest = {k: v for k, v in table.items() if k not in ("name", "scenes")}
-            own = self._own(rest, common, *keys)
+            own = self._own({k: v for k, v in table.items() if k not in ("name", "scenes")}, common, *keys)
             with self._source.at(*keys):
                 group = self._group(name, scenes, common, own, everything)
             yield group
@@ -179,18 +186,6 @@ class _Reader:
             own["seeds"] = self._seeds(table["seeds"], *keys, "seeds")
         return own
 
-    def _limits(self) -> Limits:
-        table, defaults = self._table("limits"), {f.name: f.default for f in fields(Limits)}
-        for key, value in table.items():
-            if key not in defaults:
-                raise self._problem(f"Unknown limit {key!r}.", f"Use {', '.join(defaults)}.", "limits", key)
-            whole = isinstance(defaults[key], int)
-            least = 0.01 if key in ("minutes", "cores") else 0.0
-            if type(value) not in ((int,) if whole else (int, float)) or value < least:
-                remedy = f"Write a {'whole number' if whole else 'number'}, as in {key} = {defaults[key]}."
-                raise self._problem(f"{key} cannot be {value!r}.", remedy, "limits", key)
-        return Limits(**table)
-
     def _scenes(self, patterns: Any, *keys: str) -> Iterator[tuple[str, Path]]:
         """The scenes that patterns match, in the order of the manifest: for each, its name in the results and its path."""
         if not texts(patterns):
@@ -229,9 +224,6 @@ class _Reader:
         """The path of a file that the manifest names. Raises VibeError if it cannot be read."""
         with self._source.at(*keys):
             return check.file(str(self._base / name), what)
-
-
-# The jobs of a batch: scenes × prompts × seeds, made one at a time
 
 
 _WORDS, _DIGEST = 32, 12  # characters of a prompt, and of the digest, in a folder's name

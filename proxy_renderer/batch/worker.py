@@ -13,7 +13,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -126,8 +126,13 @@ class Worker:
         watch = _Watch(self._setup.limits)
         try:
             with prepared(job.source) as source, (folder / LOG).open("a", encoding="utf-8") as log:
-                for order in _orders(replace(job, source=source), folder):
-                    self._carry_out(order, log, watch)
+                sources = [str(source), *map(str, job.more)]
+                if job.frames is None:
+                    self._carry_out(["run", *sources, *job.arguments, f"--out={folder}"], log, watch)
+                for take in job.takes:  # of a job of final frames
+                    camera = [f"--cameras={take.camera}"] if take.camera else []
+                    place = [f"--frames={take.frames}", f"--out={folder / FRAMES / take.folder}"]
+                    self._carry_out(["frames", sources[take.blend], *camera, *place], log, watch)
             complete = leave if job.frames is None else leave_frames
             return complete(job, folder, watch.peak_gb, time.monotonic() - start)
         except VibeError as error:
@@ -204,19 +209,6 @@ class Worker:
         with contextlib.suppress(OSError):
             process.stdin.close()
         self._scratch.cleanup()
-
-
-def _orders(job: Job, folder: Path) -> list[list[str]]:
-    """Command lines for Blender's side: one for a vibe, or one for each take of a job of final frames."""
-    sources = [str(job.source), *map(str, job.more)]
-    if job.frames is None:
-        return [["run", *sources, *job.arguments, f"--out={folder}"]]
-    orders = []
-    for take in job.takes:
-        camera = [f"--cameras={take.camera}"] if take.camera else []
-        place = f"--out={folder / FRAMES / take.folder}"
-        orders.append(["frames", sources[take.blend], *camera, f"--frames={take.frames}", place])
-    return orders
 
 
 class _Watch:

@@ -36,9 +36,6 @@ def _add_out(parser: argparse.ArgumentParser, help: str, default: str = "") -> N
     parser.add_argument("--out", required=not default, default=given, type=Path, metavar="DIR", help=help)
 
 
-# --- run, demo ---
-
-
 def _run_options(parser: argparse.ArgumentParser) -> None:
     _add_scene(parser)
     parser.add_argument("more", nargs="*", metavar="SCENE", help="more .blends that are to have the same look")
@@ -98,9 +95,6 @@ def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> 
         return launch([what, *places, f"--out={out}", *to_arguments(a)], out)
 
 
-# --- batch, flamenco ---
-
-
 def _batch_options(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     manifest = "scenes, shots that share a look, prompts, seeds and options"
@@ -135,9 +129,6 @@ def _flamenco(a: argparse.Namespace) -> int:
     return 0
 
 
-# --- apply, revert ---
-
-
 def _apply_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("preset", metavar="PRESET", help="a preset.json that `vibe run` has written, or a name: noir")
     _add_scene(parser)
@@ -170,9 +161,6 @@ def _revert(a: argparse.Namespace) -> int:
     if scene.suffix.lower() != ".blend":
         raise VibeError(f"{a.scene} is not a .blend.", "Revert takes the vibed.blend that a vibe has written.")
     return launch(["revert", str(scene)], scene)
-
-
-# --- explain, vocabulary ---
 
 
 def _explain_options(parser: argparse.ArgumentParser) -> None:
@@ -245,9 +233,6 @@ def _vocabulary(a: argparse.Namespace) -> int:
                 print(f"{entry.name} ({entry.slot}){': ' + others if others else ''}")
         print("\n".join(f"{name} (color)" for name in known.colors if part in name))
     return 0
-
-
-# --- doctor, extension ---
 
 
 def _doctor(a: argparse.Namespace) -> int:
