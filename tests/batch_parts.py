@@ -33,7 +33,7 @@ def local(store, setup, workers=1):
 def on_cluster(address):
     """Workers on a Ray cluster, which is looked at more often than people need."""
     pools._LOOK = 0.3
-    return lambda store, setup, workers: pools.cluster_pool(address, store, setup)
+    return lambda store, setup, workers: pools.RayPool(address, store, setup)
 
 
 def carry_out(folder, plan, limits=None, workers=1, pool_of=local):

@@ -23,7 +23,7 @@ from ..schema import VibeError
 from ..words.lexicon.user_words import VARIABLE
 from . import manifest
 from .manifest import BatchPlan, Job, Limits
-from .pools import Pool, cluster_pool, fitting, local_pool, machine
+from .pools import Pool, RayPool, fitting, local_pool, machine
 from .store import DONE, FAILED, Finals, JobRow, Sheet, Store, head, read_json, write_bytes
 from .worker import Setup
 
@@ -137,8 +137,9 @@ def run(a: argparse.Namespace) -> int:
         sheet = Sheet(a.manifest.stem, plan, store)
         sheet.write()
         print(f"{len(plan)} jobs. Watch {store.folder / 'index.html'}", flush=True)
+        pool: Pool
         if a.ray:
-            pool: Pool = cluster_pool(a.ray, store, setup, a.workers)
+            pool = RayPool(a.ray, store, setup, a.workers)
         else:
             pool = local_pool(store.jobs, setup, a.workers)
         try:

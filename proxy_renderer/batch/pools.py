@@ -147,7 +147,18 @@ class Station:
 class RayPool:
     """Stations on a cluster: as many as the nodes have room for, and at most `most` unless that is 0."""
 
-    def __init__(self, ray: Any, store: Store, setup: Setup, most: int = 0) -> None:
+    def __init__(self, address: str, store: Store, setup: Setup, most: int = 0) -> None:
+        """Connects to a cluster by its head's HOST:PORT, or "auto". Raises VibeError if that fails."""
+        os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")
+        try:
+            import ray
+        except ImportError as error:
+            raise VibeError("Ray is not installed.", "Run `pip install '.[ray]'` on every machine.") from error
+        try:
+            ray.init(address=address, log_to_driver=False, logging_level="error", ignore_reinit_error=True)
+        except (ConnectionError, RuntimeError, ValueError) as error:
+            remedy = "Start one with `ray start --head`, and join it with `ray start --address HOST:6379`."
+            raise VibeError(f"There is no Ray cluster at {address}.", remedy) from error
         self._ray, self._store, self._setup, self._most = ray, store, setup, most
         self._station = ray.remote(Station)
         self._nodes: dict[str, list[Any]] = {}
@@ -268,21 +279,6 @@ class RayPool:
         if station in self._ready:
             self._idle.append(station)
         return job, row
-
-
-def cluster_pool(address: str, store: Store, setup: Setup, most: int = 0) -> RayPool:
-    """Connects to a cluster by its head's HOST:PORT, or "auto". Raises VibeError if that fails."""
-    os.environ.setdefault("RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO", "0")
-    try:
-        import ray
-    except ImportError as error:
-        raise VibeError("Ray is not installed.", "Run `pip install '.[ray]'` on every machine.") from error
-    try:
-        ray.init(address=address, log_to_driver=False, logging_level="error", ignore_reinit_error=True)
-    except (ConnectionError, RuntimeError, ValueError) as error:
-        remedy = "Start one with `ray start --head`, and join it with `ray start --address HOST:6379`."
-        raise VibeError(f"There is no Ray cluster at {address}.", remedy) from error
-    return RayPool(ray, store, setup, most)
 
 
 Pool = LocalPool | RayPool

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 
 import pytest
 
-from proxy_renderer.batch.manifest_options import OptionReader, TomlSource
+from proxy_renderer.batch.manifest import OptionReader, TomlSource
 from proxy_renderer.cli.main import parser
 from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.options import checks

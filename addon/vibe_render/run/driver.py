@@ -109,14 +109,11 @@ class Driver:
 
     def _ready_engine(self) -> Generator[str]:
         """Starts the engine if it does not run, and waits until it has ended an abandoned vibe."""
-        yield from self._start_engine()
-        while not self._engine.settle():
-            yield self.stage
-        yield from self._start_engine()  # if that vibe did not end, the engine was ended
-
-    def _start_engine(self) -> Generator[str]:
-        if not self._engine.alive:
-            yield from self._in_background(self._engine.start)
+        for _ in range(2):  # if that vibe does not end, the engine is ended, and starts again
+            if not self._engine.alive:
+                yield from self._in_background(self._engine.start)
+            while not self._engine.settle():
+                yield self.stage
 
     def _in_background(self, act: Callable[[], T]) -> Generator[str, None, T]:
         """Runs a function in a thread, yields until it ends, and returns its result; it must not touch Blender's data."""
