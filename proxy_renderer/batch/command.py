@@ -44,8 +44,7 @@ class BatchProgress(TerminalBar):
         if what in ("done", "failed"):
             self.counts[what] += 1
         failed = f", {self.counts['failed']} failed" if self.counts["failed"] else ""
-        state = f"{self.counts['running']} running{failed}"
-        self._bar.update(self._task, description=state, completed=self._ended)
+        self._bar.update(self._task, description=f"{self.counts['running']} running{failed}", completed=self._ended)
         if what == "started" or not (what == "failed" or self._plain):
             return
         if what == "done" and job.frames is not None:
@@ -114,8 +113,7 @@ def guess(job: Job) -> float:
     rounds, steps = int(options["rounds"]), int(options["steps"])
     pictures = (int(options["size"]) / 512) ** 2 * int(options["samples"]) / 128
     cameras = sum(a.startswith("--cameras=") for a in job.arguments)
-    frames = 1 + options.get("frames", "").count(",")
-    shots = (1 + len(job.more)) * max(cameras, 1) * frames
+    shots = (1 + len(job.more)) * max(cameras, 1) * (1 + options.get("frames", "").count(","))
     # A step draws one of the shots, in turn; anchors and final renders are made of every shot.
     return _FIXED + rounds * (_ROUND * shots + steps * _STEP) + _RENDERS * pictures * shots
 
@@ -128,8 +126,7 @@ def run(a: argparse.Namespace) -> int:
     if a.final and not re.fullmatch(r"\d+(-\d+)?", a.final):
         raise VibeError(f"--final {a.final} names no frames.", "Write them as in --final 1-24.")
     if a.dry_run:
-        workers = a.workers or fitting(machine(), limits) or 1
-        print(account(plan, a.out, 0 if a.ray else workers))
+        print(account(plan, a.out, 0 if a.ray else a.workers or fitting(machine(), limits) or 1))
         return 0
     setup = Setup(limits, {VARIABLE: os.environ[VARIABLE]} if VARIABLE in os.environ else {})
     with Store(a.out) as store, handling(signal.default_int_handler, signal.SIGTERM):

@@ -58,8 +58,7 @@ class Store:
             raise VibeError(problem, "Wait for it, end it, or choose another --out.") from error
         self.jobs.mkdir(exist_ok=True)
         self.token = (read_json(self.folder / TOKEN) or {}).get("token") or uuid.uuid4().hex
-        holder = f"process {os.getpid()} on {platform.node()}"
-        write_json(self.folder / TOKEN, {"token": self.token, "holder": holder})
+        write_json(self.folder / TOKEN, {"token": self.token, "holder": f"process {os.getpid()} on {platform.node()}"})
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -232,8 +231,7 @@ class Sheet:
         with ExitStack() as stack:
             paths = [self._store.folder / name for name in ("index.html", "results.jsonl", "results.csv")]
             parts = [stack.enter_context(_replacing(path)) for path in paths]
-            files = (stack.enter_context(part.open("w", encoding="utf-8", newline="")) for part in parts)
-            page, lines, cells = files
+            page, lines, cells = (stack.enter_context(p.open("w", encoding="utf-8", newline="")) for p in parts)
             table = csv.DictWriter(cells, [*FIELDS, *FILES], restval="", extrasaction="ignore")
             table.writeheader()
             page.write(before)

@@ -124,8 +124,7 @@ def _flamenco_options(parser: argparse.ArgumentParser) -> None:
 def _flamenco(a: argparse.Namespace) -> int:
     from ..batch.command import install_job_type
 
-    written = install_job_type(a.scripts)
-    print(f"Written: {written}. Restart the Manager, then refresh the job types in Blender.")
+    print(f"Written: {install_job_type(a.scripts)}. Restart the Manager, then refresh the job types in Blender.")
     return 0
 
 
@@ -182,8 +181,8 @@ def _explain(a: argparse.Namespace) -> int:
     check.vocabulary(a.vocabulary)
     checks.targets(a.target)
     scene = check.scene(a.scene) if a.scene else None
-    subject = [f"--subject={name}" for name in a.subject]
-    print(account(a.prompt, a.json, scene, subject, a.why, a.target, a.goals))
+    form = next((form for form in ("why", "goals", "json") if getattr(a, form)), "text")
+    print(account(a.prompt, form, scene, a.subject, a.target))
     return 0
 
 
@@ -224,7 +223,7 @@ def _vocabulary(a: argparse.Namespace) -> int:
     if a.action == "test":
         from .explain import account
 
-        print(account(a.text, as_json=False))
+        print(account(a.text))
     else:
         known, part = user_words.default_vocabulary(), a.part.lower()
         for entry in known.entries.values():

@@ -17,8 +17,7 @@ TABLE_TOE, TABLE_STOPS = 2.0**-10, 16.0  # the color table's axis: TOE · (2 ** 
 
 def unit_energy(light_type: str, distance: float = 1.0) -> float:
     """The energy that gives a white diffuse surface, facing the light, a radiance of 1: W at a distance in m; a sun's W/m²."""
-    falloff = 1.0 if light_type == "SUN" else distance**2  # a sun's energy is an irradiance
-    return _UNIT_ENERGY[light_type] * falloff
+    return _UNIT_ENERGY[light_type] * (1.0 if light_type == "SUN" else distance**2)  # a sun's is an irradiance
 
 
 def radiance(light_type: str, energy: float, distance: float = 1.0, stops: float = 0.0) -> float:

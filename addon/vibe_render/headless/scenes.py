@@ -40,8 +40,7 @@ def open_scene(args: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.
         return build_demo(), SubjectChoice(chosen or (DEMO_SUBJECT,)), False
     if path and path.suffix.lower() in limits.MESH_FORMATS:
         reporter.stage(f"staging {path.name}")
-        scene = build_stage(path, args.stage)
-        return scene, SubjectChoice(chosen, selected=not chosen), True
+        return build_stage(path, args.stage), SubjectChoice(chosen, selected=not chosen), True
     if path:
         reporter.stage(f"opening {path.name}")
         open_blend(path)
