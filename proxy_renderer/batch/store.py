@@ -36,8 +36,7 @@ JobRow = dict[str, Any]
 DONE, FAILED, LOG = "done.json", "failed.json", "log.txt"
 FINAL, FRAMES = "final.json", "frames"
 WORDS = ("visible", "already", "unmeasured", "missed")  # lists of a row: words by state, as in `verdicts`
-# its token identifies the results folder, so that a machine can check that it sees the same one
-TOKEN = "batch.json"
+TOKEN = "batch.json"  # its token identifies the results folder, so that a machine can check that it sees the same one
 
 
 class Store:
@@ -227,7 +226,11 @@ class Sheet:
     def write(self) -> None:
         """Writes everything anew, a row at a time. Raises VibeError if it cannot be written."""
         start = time.monotonic()
-        before, after = _page(self._title)
+        # Style and scripts are inside the page: browsers load hardly any other file for one that is opened from disk.
+        texts = {part.name: part.read_text("utf-8") for part in _PAGE.iterdir() if part.is_file()}
+        script = "\n".join(texts[name] for name in _SCRIPTS)
+        text = texts["sheet.html"].replace("{{style}}", texts["sheet.css"]).replace("{{script}}", script)
+        before, after = text.replace("{{title}}", html.escape(self._title)).split("{{rows}}")
         with ExitStack() as stack:
             paths = [self._store.folder / name for name in ("index.html", "results.jsonl", "results.csv")]
             parts = [stack.enter_context(_replacing(path)) for path in paths]
@@ -253,15 +256,3 @@ def complete(row: JobRow) -> JobRow:
     done = row["status"] == "done"
     files = {kind: f"{row['folder']}/{name}" if done else None for kind, name in FILES.items()}
     return {key: row.get(key) for key in FIELDS} | files
-
-
-def _page(title: str) -> tuple[str, str]:
-    """The text of the page before its rows, and after them.
-
-    Style and scripts are inside, because browsers load hardly any other file for a page that is opened from disk.
-    """
-    texts = {part.name: part.read_text("utf-8") for part in _PAGE.iterdir() if part.is_file()}
-    script = "\n".join(texts[name] for name in _SCRIPTS)
-    page = texts["sheet.html"].replace("{{style}}", texts["sheet.css"]).replace("{{script}}", script)
-    before, after = page.replace("{{title}}", html.escape(title)).split("{{rows}}")
-    return before, after

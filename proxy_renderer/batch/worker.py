@@ -115,39 +115,39 @@ class Worker:
 
     def __init__(self, setup: Setup, cores: Sequence[int] = ()) -> None:
         self._setup, self._cores = setup, list(cores)
+        self._start, self._next_check, self._peak_gb = 0.0, 0.0, 0.0  # of the job; seconds and gigabytes
         self._process: subprocess.Popen[str] | None = None
         self._lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
         self._closed = False
 
     def run(self, job: Job, folder: Path) -> JobRow:
         """Carries out a job; its `done.json` is written last. Raises Interrupted if the worker was closed."""
-        start = time.monotonic()
+        self._start, self._next_check, self._peak_gb = time.monotonic(), 0.0, 0.0
         tidy(folder)
-        watch = _Watch(self._setup.limits)
         try:
             with prepared(job.source) as source, (folder / LOG).open("a", encoding="utf-8") as log:
                 sources = [str(source), *map(str, job.more)]
                 if job.frames is None:
-                    self._carry_out(["run", *sources, *job.arguments, f"--out={folder}"], log, watch)
+                    self._carry_out(["run", *sources, *job.arguments, f"--out={folder}"], log)
                 for take in job.takes:  # of a job of final frames
                     camera = [f"--cameras={take.camera}"] if take.camera else []
                     place = [f"--frames={take.frames}", f"--out={folder / FRAMES / take.folder}"]
-                    self._carry_out(["frames", sources[take.blend], *camera, *place], log, watch)
+                    self._carry_out(["frames", sources[take.blend], *camera, *place], log)
             complete = leave if job.frames is None else leave_frames
-            return complete(job, folder, watch.peak_gb, time.monotonic() - start)
+            return complete(job, folder, self._peak_gb, time.monotonic() - self._start)
         except VibeError as error:
             if self._closed:
                 raise Interrupted from error
-            seconds = round(time.monotonic() - start, 2)
-            failure = {"error": error.message, "remedy": error.remedy}
-            return head(job) | {"status": "failed", "seconds": seconds, "memory_gb": watch.peak_gb} | failure
+            seconds = round(time.monotonic() - self._start, 2)
+            row = head(job) | {"status": "failed", "seconds": seconds, "memory_gb": self._peak_gb}
+            return row | {"error": error.message, "remedy": error.remedy}
 
     def close(self) -> None:
         """Ends the process and all of its children now; a running job is interrupted."""
         self._closed = True
         self._kill()
 
-    def _carry_out(self, arguments: list[str], log: TextIO, watch: _Watch) -> None:
+    def _carry_out(self, arguments: list[str], log: TextIO) -> None:
         process = self._started()
         print(f"\n== {time.strftime('%Y-%m-%d %H:%M:%S')}  {' '.join(arguments)}", file=log, flush=True)
         assert process.stdin is not None
@@ -175,7 +175,7 @@ class Worker:
                 return
             last = line.strip() if line.strip() and not event else last
             try:
-                watch.look(process.pid)
+                self._check_limits(process.pid)
             except VibeError:
                 self._kill()
                 raise
@@ -199,6 +199,20 @@ class Worker:
         threading.Thread(target=_read, args=(process, self._lines), daemon=True).start()
         return process
 
+    def _check_limits(self, pid: int) -> None:
+        """Raises VibeError if the job has taken too long, or uses too much memory."""
+        limits, now = self._setup.limits, time.monotonic()
+        if now > self._start + 60 * limits.minutes:
+            raise VibeError(f"It took longer than {limits.minutes:g} minutes.", "Raise [limits] minutes.")
+        if now < self._next_check:
+            return
+        self._next_check = now + _TICK
+        used = launch.memory(pid)
+        self._peak_gb = max(self._peak_gb, round(used / 1e9, 3))
+        if used > limits.memory_gb * 1e9:
+            problem = f"It used {used / 1e9:.1f} GB of memory, more than {limits.memory_gb:g}."
+            raise VibeError(problem, "Raise [limits] memory_gb, or use a smaller size.")
+
     def _kill(self) -> None:
         process, self._process = self._process, None
         if process is None:
@@ -209,30 +223,6 @@ class Worker:
         with contextlib.suppress(OSError):
             process.stdin.close()
         self._scratch.cleanup()
-
-
-class _Watch:
-    """Watches the time and the memory of a job."""
-
-    def __init__(self, limits: Limits) -> None:
-        self._limits = limits
-        self._end = time.monotonic() + 60 * limits.minutes
-        self._next = 0.0
-        self.peak_gb = 0.0
-
-    def look(self, pid: int) -> None:
-        """Raises VibeError if a limit has been passed."""
-        now = time.monotonic()
-        if now > self._end:
-            raise VibeError(f"It took longer than {self._limits.minutes:g} minutes.", "Raise [limits] minutes.")
-        if now < self._next:
-            return
-        self._next = now + _TICK
-        used = launch.memory(pid)
-        self.peak_gb = max(self.peak_gb, round(used / 1e9, 3))
-        if used > self._limits.memory_gb * 1e9:
-            problem = f"It used {used / 1e9:.1f} GB of memory, more than {self._limits.memory_gb:g}."
-            raise VibeError(problem, "Raise [limits] memory_gb, or use a smaller size.")
 
 
 def _read(process: subprocess.Popen[str], lines: queue.SimpleQueue[str | None]) -> None:

@@ -25,13 +25,12 @@ _OF_THE_COMMAND = ("cli", "batch", "blender", "preset.py")
 
 def build(out: Path) -> Path:
     """Builds and validates OUT/vibe_render-VERSION.zip, which names this Python; raises VibeError if that fails."""
-    tool = _blender_tool()
     with tempfile.TemporaryDirectory() as scratch:
         package = Path(scratch) / "vibe_render"
         _assemble(package)
-        _ask(tool, "validate", str(package))
-        _ask(tool, "build", "--source-dir", str(package), "--output-dir", scratch)
-        _ask(tool, "validate", str(archive := next(Path(scratch).glob("*.zip"))))
+        _ask("validate", str(package))
+        _ask("build", "--source-dir", str(package), "--output-dir", scratch)
+        _ask("validate", str(archive := next(Path(scratch).glob("*.zip"))))
         target = checks.folder(out) / archive.name
         with atomic.replacing(target) as part:  # so that OUT never holds a broken zip
             shutil.copyfile(archive, part)
@@ -43,7 +42,7 @@ def repository(out: Path) -> Path:
     archive = build(out)
     for older in set(out.glob("vibe_render-*.zip")) - {archive}:  # of two, Blender installs the first
         older.unlink()
-    _ask(_blender_tool(), "server-generate", "--repo-dir", str(out))
+    _ask("server-generate", "--repo-dir", str(out))
     return out / "index.json"
 
 
@@ -89,20 +88,15 @@ def _assemble(package: Path) -> None:
     (package / "engine.txt").write_text(sys.executable, encoding="utf-8")
 
 
-def _blender_tool() -> Path:
-    """Blender's own extension tool, which comes with the bpy package (and needs no Blender to run)."""
+def _ask(*arguments: str) -> None:
+    """Runs Blender's own extension tool, which comes with the bpy package. Raises VibeError if it fails."""
     spec = importlib.util.find_spec("bpy")
-    for place in (spec.submodule_search_locations or []) if spec else []:
-        for tool in Path(place).glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"):
-            return tool
-    raise VibeError(
-        "Blender's packing tool was not found.", "Install it with `pip install bpy` on Python 3.11 or 3.13."
-    )
-
-
-def _ask(tool: Path, *arguments: str) -> None:
-    """Runs Blender's tool. Raises VibeError with the tool's message if it fails."""
-    done = subprocess.run([sys.executable, str(tool), *arguments], capture_output=True, text=True)
+    places = (spec.submodule_search_locations or []) if spec else []
+    tools = [tool for place in places for tool in Path(place).glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py")]
+    if not tools:
+        remedy = "Install it with `pip install bpy` on Python 3.11 or 3.13."
+        raise VibeError("Blender's packing tool was not found.", remedy)
+    done = subprocess.run([sys.executable, str(tools[0]), *arguments], capture_output=True, text=True)
     if done.returncode:
         complaint = (done.stderr or done.stdout).strip().rpartition("\n")[2]
         raise VibeError(f"Blender's tool refused to {arguments[0]} the extension: {complaint}", "Report this as a bug.")

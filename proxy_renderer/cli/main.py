@@ -268,7 +268,7 @@ class Command(NamedTuple):
     act: Callable[[argparse.Namespace], int]
 
 
-COMMANDS = {
+COMMANDS = {  # in the order of the help
     "run": Command("Give a scene the look that words describe, or a reference image has.", _run_options, _run),
     "demo": Command("Build a small test scene and give it a look.", _demo_options, _demo),
     "batch": Command("Give many scenes many looks, on this machine or on a cluster.", _batch_options, _batch),
@@ -284,7 +284,6 @@ COMMANDS = {
         "Build the Blender extension, install it, or publish it in a repository.", _extension_options, _extension
     ),
 }
-"""In the order of the help."""
 
 
 class Parser(argparse.ArgumentParser):

@@ -19,12 +19,11 @@ from .parameters import FAMILIES, PARAMETERS, VERSION
 
 FORMAT = "vibe-preset"
 
-ROLES: dict[str, str] = {
+ROLES: dict[str, str] = {  # role -> the parameter group of its values; a camera belongs to its scene, not to a look
     **dict.fromkeys(("subject", "surroundings"), "material"),
     **dict.fromkeys(("key", "fill", "rim"), "light"),
     **{group: group for group in ("world", "volume", "film")},
 }
-"""Every role and the parameter group of its values. A camera belongs to its scene, not to a look."""
 
 Entry = dict[str, list[float]]  # of one material or light: name -> components, in multiples of the reference
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -29,11 +28,11 @@ def report_fields(
     result: messages.Result,
     measured: Sequence[messages.Finished],
     skipped: dict[str, str],
-    stopwatch: Stopwatch,
+    seconds: dict[str, float],
 ) -> dict[str, Any]:
     """The content of report.json: the engine's report and Blender's. Measurements of several shots are averaged."""
     fields = dict(result.report)
-    timings = {**stopwatch.seconds, **{f"engine: {k}": v for k, v in fields.pop("timings", {}).items()}}
+    timings = {**seconds, **{f"engine: {k}": v for k, v in fields.pop("timings", {}).items()}}
     versions = {**fields.pop("versions", {}), "blender": bpy.app.version_string}
     shots = [
         {
@@ -57,7 +56,7 @@ def report_fields(
         "stopped": result.stopped,
         "not_written": skipped,
         "warnings": _warnings(shot_list, result),
-        "timings": {**timings, "total": round(sum(stopwatch.seconds.values()), 2)},
+        "timings": {**timings, "total": round(sum(seconds.values()), 2)},
         "versions": versions,
     }
 
@@ -156,17 +155,3 @@ def change_lines(instances: dict[str, schema.Instance], values: dict[str, Any]) 
     rows.sort(reverse=True)
     lines = [line for _, line in rows[:_SHOWN]]
     return [*lines, f"... and {len(rows) - _SHOWN} more"] if len(rows) > _SHOWN else lines
-
-
-class Stopwatch:
-    """The seconds of each stage of a run, by the stage's name."""
-
-    def __init__(self) -> None:
-        self.seconds: dict[str, float] = {}
-        self._last = time.monotonic()
-
-    def lap(self, name: str) -> None:
-        """Counts the seconds since the last call as time of this stage."""
-        now = time.monotonic()
-        self.seconds[name] = round(self.seconds.get(name, 0.0) + now - self._last, 2)
-        self._last = now

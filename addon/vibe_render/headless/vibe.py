@@ -9,6 +9,7 @@ import signal
 import socket
 import tempfile
 import threading
+import time
 from collections.abc import Generator
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -24,7 +25,7 @@ from ..export import notes
 from ..export.analysis import SceneAnalysis
 from ..looks import transfer
 from ..render import anchors, final_render
-from ..run.driver import Driver, drive
+from ..run.driver import Driver
 from ..run.notes import words_of
 from ..scene import bindings, own_keys
 from ..scene.steps import Change, Steps
@@ -32,10 +33,10 @@ from ..scene.subject import remember_subject
 from . import summary
 from .arguments import Reporter
 from .scenes import ShotList, save_blend
-from .summary import Stopwatch, numbered
+from .summary import numbered
 
-# Most samples of the render before the vibe, which only serves for comparison, and is denoised.
-_SAMPLES_BEFORE = 16
+_SAMPLES_BEFORE = 16  # at most, of the render before the vibe, which only serves for comparison, and is denoised
+_PAUSE = 0.02  # seconds between two looks at the engine, which needs the core
 
 
 class HeadlessVibe(Driver):
@@ -51,7 +52,9 @@ class HeadlessVibe(Driver):
     ) -> None:
         self._temporary = tempfile.TemporaryDirectory(prefix="vibe-", ignore_cleanup_errors=True)
         super().__init__(engine, Path(self._temporary.name))
-        self._args, self._reporter, self._stopwatch = args, reporter, Stopwatch()
+        self._args, self._reporter = args, reporter
+        self._seconds: dict[str, float] = {}  # stage -> its duration
+        self._last_lap = time.monotonic()
         self._out = Outputs(args.out)
         self._shown = shown
         self._change = change or Change(Steps(), title=args.prompt, first=True)
@@ -66,11 +69,12 @@ class HeadlessVibe(Driver):
         """Runs the vibe to its end; returns the analysis of the last shot, whose scene has the new values."""
         with self._temporary:
             with self._out:
-                drive(self._run())
+                for _ in self._run():
+                    time.sleep(_PAUSE)
                 result = self._result
                 assert result is not None
                 fields = summary.report_fields(
-                    self._args, self._shots, result, self._measured, self._skipped, self._stopwatch
+                    self._args, self._shots, result, self._measured, self._skipped, self._seconds
                 )
                 fields["steps"] = self._steps.rows()
                 if self._lights:
@@ -87,10 +91,16 @@ class HeadlessVibe(Driver):
             self._reporter.result(lines, result.stopped, words_of(self._measured[0].verdicts, "missed"))
         return self._shots.jobs[-1].analysis
 
+    def _lap(self, name: str) -> None:
+        """Counts the seconds since the last call as time of this stage."""
+        now = time.monotonic()
+        self._seconds[name] = round(self._seconds.get(name, 0.0) + now - self._last_lap, 2)
+        self._last_lap = now
+
     def _run(self) -> Generator[str]:
         """The vibe's steps: the search for the look, then every shot with it."""
         self._shots.export()
-        self._stopwatch.lap("open and export")
+        self._lap("open and export")
         several = len(self._shots) > 1
         shots = [
             messages.Shot(str(job.folder), shot.name, shot.scene)
@@ -111,9 +121,9 @@ class HeadlessVibe(Driver):
             if final_render.is_black(self._out.path(numbered("before.png", number))):
                 notes.check_shows(scene, self._shots.jobs[number].filling, lit=True)
                 self._unlit |= number == 0
-        self._stopwatch.lap("render before")
+        self._lap("render before")
         result = yield from self._answer(messages.Result)
-        self._stopwatch.lap("wait for the engine")
+        self._lap("wait for the engine")
         for number in range(len(self._shots)):
             yield from self._finish_shot(number, result)
         if self._args.check_every:
@@ -143,7 +153,7 @@ class HeadlessVibe(Driver):
         if args.figures:
             mask = out.path(numbered("mask.png", number))
             final_render.render_mask(analysis.scene, mask, args.size, analysis.objects)
-        self._stopwatch.lap("render after")
+        self._lap("render after")
         # The engine writes compare.png outside `out`: a failure empties `out` while the engine may still write.
         before, after = (str(out.path(numbered(name, number))) for name in ("before.png", "after.png"))
         folder = Path(shots.jobs[number].folder)
@@ -164,7 +174,7 @@ class HeadlessVibe(Driver):
         if args.then:
             out.copy(f"step-{self._steps.shown}.png", out.path("after.png"))
         out.copy(numbered("predicted.png", number), folder / result.prediction)
-        self._stopwatch.lap("save and measure")
+        self._lap("save and measure")
 
     def _check_sequence(self) -> Generator[str]:
         """Checks frames of the scene with the look; saves an image of those where a word is no longer visible."""
@@ -175,7 +185,7 @@ class HeadlessVibe(Driver):
         if pictures := [each.picture for each in self.sequence if each.picture and each.lost]:
             final_render.join_pictures(pictures, self._out.path("sequence.png"))
         self._shots.restore()
-        self._stopwatch.lap("check the sequence")
+        self._lap("check the sequence")
 
     def _show_frame(self, frame: int) -> None:
         self._reporter.stage(f"checking frame {frame}")

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The driver of a vibe: generators that talk to the engine, and yield the present stage, in words, whenever they wait.
 
-The panel advances them by a timer, so that Blender stays usable between two steps; without a window, `drive` does so.
+The panel advances them by a timer, so that Blender stays usable between two steps; without a window, a loop does so.
 """
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -27,7 +27,6 @@ from .notes import CheckedFrame, words_of
 
 LOOKING = "Optimizing"
 ANCHORING = "Comparing with Cycles"
-_PAUSE = 0.02  # seconds between two steps of `drive`: the engine needs the core
 _SIZE, _SAMPLES = 256, 16  # longer side in pixels, and samples, of the images of checked frames
 
 T = TypeVar("T")
@@ -211,9 +210,3 @@ class Driver:
 
     def _show_frame(self, frame: int) -> None:
         self.stage = f"Checking frame {frame}"
-
-
-def drive(steps: Iterator[str]) -> None:
-    """Runs a generator of steps to its end, for runs without a window."""
-    for _ in steps:
-        time.sleep(_PAUSE)

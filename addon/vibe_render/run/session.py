@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+from bpy.types import Context, Object, Scene
 
 from ..core import compat, preferences
 from ..core.schema_import import atomic, messages, schema, targets
@@ -34,7 +35,7 @@ _READ_WITHIN = 20.0  # seconds; a prompt that takes longer to read counts as des
 SILENT = 30.0  # seconds without a message from the engine, after which the panel says so
 
 
-def scene_settings(scene: bpy.types.Scene) -> tuple[Any, ...]:
+def scene_settings(scene: Scene) -> tuple[Any, ...]:
     """The scene's own settings that its export depends on, to find out whether they have changed."""
     # Blender reports their changes in the same way as a character that is typed into the prompt.
     render, view, vibe = scene.render, scene.view_settings, scene.vibe
@@ -47,7 +48,7 @@ def scene_settings(scene: bpy.types.Scene) -> tuple[Any, ...]:
 class SceneSession(Driver):
     """Work on one scene, in steps between which Blender is usable: the base of `Session` and `Live`."""
 
-    def __init__(self, context: bpy.types.Context, engine: Engine) -> None:
+    def __init__(self, context: Context, engine: Engine) -> None:
         super().__init__(engine, Path(bpy.app.tempdir) / f"vibe-{uuid.uuid4().hex[:8]}")
         settings = context.scene.vibe
         self.scene = context.scene.name  # at the start
@@ -68,7 +69,7 @@ class SceneSession(Driver):
         """Deletes the temporary files, also the preview's image."""
         shutil.rmtree(self._job, ignore_errors=True)
 
-    def subject(self, scene: bpy.types.Scene) -> list[bpy.types.Object]:
+    def subject(self, scene: Scene) -> list[Object]:
         """The subject's objects that are still in the scene."""
         return [scene.objects[name] for name in self._subject if name in scene.objects]
 
@@ -92,7 +93,7 @@ class SceneSession(Driver):
             preview.show(scene, look.values, self.subject(scene), self._pivot)
 
     @contextmanager
-    def _without_look(self, scene: bpy.types.Scene) -> Iterator[None]:
+    def _without_look(self, scene: Scene) -> Iterator[None]:
         """Hides the look inside the block, which must not yield to Blender: then no redraw shows the change."""
         preview.hide(scene)
         yield
@@ -134,13 +135,13 @@ class SceneSession(Driver):
                 keyframes.bring_back(scene)
         self._keyed = False
 
-    def _find_scene(self) -> bpy.types.Scene:
+    def _find_scene(self) -> Scene:
         scene = self._scene_if_there()
         if scene is None:
             raise schema.VibeError(f'The scene "{self.scene}" is gone.', "Start again in another scene.")
         return scene
 
-    def _scene_if_there(self) -> bpy.types.Scene | None:
+    def _scene_if_there(self) -> Scene | None:
         """The scene, or None if it is gone. Its session uid outlives renaming and undo, and is unique across files."""
         return next((s for s in bpy.data.scenes if s.session_uid == self._uid), None)
 
@@ -150,9 +151,7 @@ class Session(SceneSession):
 
     patience = 900.0
 
-    def __init__(
-        self, context: bpy.types.Context, engine: Engine, ask: bool = False, change: Change | None = None
-    ) -> None:
+    def __init__(self, context: Context, engine: Engine, ask: bool = False, change: Change | None = None) -> None:
         super().__init__(context, engine)
         settings = context.scene.vibe
         prompt, like = settings.prompt.strip(), reference.picture_name(settings)
@@ -189,7 +188,7 @@ class Session(SceneSession):
         """True if the search has begun and is not stopping: then `stop` gives its best look so far."""
         return self.progress is not None and not (self._stopping or self.checking)
 
-    def check(self, scene: bpy.types.Scene, every: int) -> None:
+    def check(self, scene: Scene, every: int) -> None:
         """Makes `advance` check every so many frames of the scene's range; the results are in `sequence`."""
         frames = range(scene.frame_start, scene.frame_end + 1, every)
         seen = words_of(self.report.get("verdicts", ()), "visible")

@@ -20,7 +20,7 @@ from ..parameters import GROUPS
 
 T = TypeVar("T")
 
-HEADINGS = {
+HEADINGS = {  # groups of options, in the order of the help, and their titles
     "task": "",
     "shots": "shots that share a look: each scene, through each camera, at each frame, and one set of values for all",
     "moments": "moments: a look at each of several frames, and keyframes from one to the next",
@@ -30,7 +30,6 @@ HEADINGS = {
     "engine": "engine",
     "render": "render",
 }
-"""Groups of options, in the order of the help, and their titles."""
 
 
 @dataclass(frozen=True)
@@ -90,8 +89,6 @@ def option(default: T, help: str, heading: str, **facts: Any) -> T:
 
 
 STAGES = ("none", "floor", "cyclorama")  # stages that a bare mesh can be put on
-
-
 TRAITS = ("light", "grade", "palette", "air", "materials")
 """Traits to take over from a reference image; materials only if it shows the same scene, or if they are named."""
 
@@ -189,7 +186,7 @@ def rows(message: type[Options]) -> tuple[Option, ...]:
 _EFFORT = "; ".join(f"{name}: {b.rounds} rounds of {b.steps} steps, {b.summary}" for name, b in BUDGETS.items())
 
 # fmt: off
-TASK = (
+TASK = (  # the task, which Blender's side turns into a job for the engine
     Option("subject", (), "object or collection that the image is about; can be given several times (default: found "
            "automatically)", "task", unit="NAME", manifest=("scene", "shots")),
     Option("prompt", "", 'the look: "misty, cool blue fog, vignette"', "task", unit="TEXT", manifest=(),
@@ -216,9 +213,8 @@ TASK = (
     Option("effort", "standard", f"{_EFFORT} (default: standard)", "effort", choices=tuple(BUDGETS),
            panel=Panel("Effort", "How long the search may take", default="STANDARD")),
 )
-"""The task, which Blender's side turns into a job for the engine."""
 
-SUPPORT = (
+SUPPORT = (  # options of the processes around the engine
     Option("vocabulary", "", "a .toml with words of your own (default: vocabulary.toml in your "
            "configuration folder, if there is one)", "reach", unit="FILE",
            blender=False),  # processes find it in their environment
@@ -228,7 +224,6 @@ SUPPORT = (
            panel=Panel("Light Mix", "Render the light layers as soon as a vibe is in the scene. Blender pauses "
                        "for the render")),
 )
-"""Options of the processes around the engine."""
 # fmt: on
 
 TABLE = (*TASK, *rows(Options), *SUPPORT)
