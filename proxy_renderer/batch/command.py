@@ -170,8 +170,6 @@ def _pass(jobs: Iterable[Job], store: Store, pool: Pool, limits: Limits, sheet: 
 
 
 _LOSSES = 5  # times that a job's worker may be lost before the job counts as failed
-
-
 Tell = Callable[[str, Job, JobRow], None]  # is called with "started", "done", "failed", "again" or "lost"
 
 

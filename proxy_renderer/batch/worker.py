@@ -50,15 +50,10 @@ def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
     write_bytes(folder / "details.js", _details(job, report))
     laps = report.get("timings", {})
     words = [row for row in report["verdicts"] if row["word"]]  # verdicts on the first shot
-    row = head(job) | {
-        "status": "done",
-        **{state: [row["word"] for row in words if row["state"] == state] for state in WORDS},
-        "delta_e": report["delta_e"],
-        "seconds": round(seconds, 2),
-        "seconds_loop": laps.get(_ENGINE, 0.0),
-        "seconds_cycles": round(sum(laps.get(name, 0.0) for name in _CYCLES), 2),
-        "memory_gb": memory_gb,
-    }
+    row = head(job) | {"status": "done"}
+    row |= {state: [row["word"] for row in words if row["state"] == state] for state in WORDS}
+    row |= {"delta_e": report["delta_e"], "seconds": round(seconds, 2), "seconds_loop": laps.get(_ENGINE, 0.0)}
+    row |= {"seconds_cycles": round(sum(laps.get(name, 0.0) for name in _CYCLES), 2), "memory_gb": memory_gb}
     row |= {"shots": [shot["name"] for shot in shots]} if shots else {}
     row |= {"variants": len(report["variants"])} if report.get("variants") else {}
     write_json(folder / DONE, row)

@@ -205,14 +205,10 @@ def start(
     """Starts Python with these arguments as Blender's side, for `events` to read; its temporary files go to `scratch`."""
     places = dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(scratch)) if scratch else {}
     return subprocess.Popen(
-        [sys.executable, *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        encoding="utf-8",
-        errors="replace",
-        env=environment() | places | dict(variables or {}),
+        [sys.executable, *arguments], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8",
+        errors="replace", env=environment() | places | dict(variables or {}),
         **{"stdin": subprocess.DEVNULL, **options},
-    )
+    )  # fmt: skip
 
 
 def events(process: subprocess.Popen[str], tail: deque[str]) -> Iterator[dict[str, Any]]:

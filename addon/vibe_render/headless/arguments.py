@@ -15,15 +15,10 @@ from typing import Any, NoReturn
 
 from ..core.schema_import import checks, errors, messages, options, schema
 
-_COMMANDS = {
-    "run": ("scene",),
-    "demo": (),
-    "export": ("scene",),
-    "apply": ("preset", "scene"),
-    "revert": ("scene",),
-    "frames": ("scene",),
-    "serve": (),
-}
+_COMMANDS = {  # command -> the words that follow it
+    "run": ("scene",), "demo": (), "export": ("scene",), "apply": ("preset", "scene"), "revert": ("scene",),
+    "frames": ("scene",), "serve": (),
+}  # fmt: skip
 
 
 class _Parser(argparse.ArgumentParser):

@@ -257,13 +257,8 @@ def frames(args: Namespace, reporter: Reporter) -> None:
 
 
 COMMANDS: dict[str, Callable[[Namespace, Reporter], None]] = {
-    "run": run,
-    "demo": run,
-    "export": export,
-    "apply": apply,
-    "revert": revert,
-    "frames": frames,
-}
+    "run": run, "demo": run, "export": export, "apply": apply, "revert": revert, "frames": frames,
+}  # fmt: skip
 
 
 def serve() -> None:

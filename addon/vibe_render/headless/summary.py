@@ -36,17 +36,12 @@ def report_fields(
     versions = {**fields.pop("versions", {}), "blender": bpy.app.version_string}
     shots = [
         {
-            "name": shot.name,
-            "scene": Path(shot.scene).stem,
-            "blend": blend_of(args, shot_list, number),
-            "camera": shot.camera,
-            "frame": shot.frame,
-            "before": numbered("before.png", number),
-            "after": numbered("after.png", number),
-            **_measurements([each]),
+            "name": shot.name, "scene": Path(shot.scene).stem, "blend": blend_of(args, shot_list, number),
+            "camera": shot.camera, "frame": shot.frame, "before": numbered("before.png", number),
+            "after": numbered("after.png", number), **_measurements([each]),
         }
         for number, (shot, each) in enumerate(zip(shot_list.shots, measured, strict=True))
-    ]
+    ]  # fmt: skip
     return {
         **fields,
         "scene": os.path.basename(args.scene or bpy.data.filepath) or args.command,
@@ -108,9 +103,13 @@ def _warnings(shot_list: ShotList, result: messages.Result) -> list[str]:
 
 
 def closing_lines(
-    shot_list: ShotList, result: messages.Result, measured: Sequence[messages.Finished], skipped: dict[str, str]
+    shot_list: ShotList,
+    result: messages.Result,
+    measured: Sequence[messages.Finished],
+    skipped: dict[str, str],
+    sequence: Sequence[CheckedFrame],
 ) -> list[str]:
-    """The lines to print at the end of a vibe; see `report_fields` for the arguments."""
+    """The lines to print at the end of a vibe; see `report_fields` for the arguments. `sequence` are checked frames."""
     values = {k: v for k, v in result.values.items() if k not in skipped}
     notes = [*word_notes(result.report)[:6], *_warnings(shot_list, result)]
     own = shot_list.jobs[0].before
@@ -127,16 +126,10 @@ def closing_lines(
         subject = f"subject {error['subject']:.1f}, " if "subject" in error else ""
         apart = f"{error['mean']:.1f} CIEDE2000 ({subject}95th percentile {error['p95']:.1f})"
         lines.append(f"{who}The prediction differs from Cycles by {apart}.")
-    return lines
-
-
-def sequence_lines(rows: Sequence[CheckedFrame]) -> list[str]:
-    """A line for each checked frame with a note or a word that is no longer visible; if there is none, a single line."""
-    lines = [line for each in rows if (line := frame_line(each))]
-    if lost := [str(each.frame) for each in rows if each.lost]:
-        frames = ",".join(lost)
-        lines.append(f"To search one look for them too, add --steady, or --frames {frames} with the frame above.")
-    return lines or list(filter(None, [steady_line(rows)]))
+    lines += [line for each in sequence if (line := frame_line(each))]
+    if lost := ",".join(str(each.frame) for each in sequence if each.lost):
+        lines.append(f"To search one look for them too, add --steady, or --frames {lost} with the frame above.")
+    return lines + [line for line in [steady_line(sequence)] if line]
 
 
 def change_lines(instances: dict[str, schema.Instance], values: dict[str, Any]) -> list[str]:

@@ -86,8 +86,7 @@ class HeadlessVibe(Driver):
                         for checked in self.sequence
                     ]
                 self._out.write_json("report.json", fields)
-            lines = summary.closing_lines(self._shots, result, self._measured, self._skipped)
-            lines += summary.sequence_lines(self.sequence)
+            lines = summary.closing_lines(self._shots, result, self._measured, self._skipped, self.sequence)
             self._reporter.result(lines, result.stopped, words_of(self._measured[0].verdicts, "missed"))
         return self._shots.jobs[-1].analysis
 
