@@ -44,7 +44,7 @@ class BatchProgress(TerminalBar):
         if what in ("done", "failed"):
             self.counts[what] += 1
         failed = f", {self.counts['failed']} failed" if self.counts["failed"] else ""
-        self._bar.update(self._task, description=f"{self.counts['running']} running{failed}", completed=self._ended)
+        self.update(self._task, description=f"{self.counts['running']} running{failed}", completed=self._ended)
         if what == "started" or not (what == "failed" or self._plain):
             return
         if what == "done" and job.frames is not None:

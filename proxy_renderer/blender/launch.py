@@ -21,7 +21,7 @@ from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Self, TextIO
+from typing import Any, TextIO
 
 import psutil
 from rich.console import Console
@@ -29,35 +29,26 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TimeElapsedColumn
 
 from ..schema import VibeError, atomic, errors
 
-_LONG = 3600.0  # the remaining time is estimated from the steps of so many seconds
 
-
-class TerminalBar:
+class TerminalBar(Progress):
     """A progress bar in a terminal, plain lines elsewhere; None is standard output. Use it as a context manager."""
 
     def __init__(self, columns: Sequence[Any], stream: TextIO | None, transient: bool, **task: Any) -> None:
         self._stream = stream or sys.stdout
         self._start = time.monotonic()
         self._plain = not self._stream.isatty()
-        console = Console(file=self._stream)
-        self._bar = Progress(
-            *columns, transient=transient, console=console, disable=self._plain, speed_estimate_period=_LONG
+        console, hour = Console(file=self._stream), 3600.0  # its steps give the remaining time
+        super().__init__(
+            *columns, transient=transient, console=console, disable=self._plain, speed_estimate_period=hour
         )
-        self._task = self._bar.add_task(**task)
-
-    def __enter__(self) -> Self:
-        self._bar.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._bar.stop()
+        self._task = self.add_task(**task)
 
     def note(self, text: str) -> None:
         """Prints a line that stays."""
         if self._plain:
             print(text, file=self._stream, flush=True)
         else:
-            self._bar.console.print(text, markup=False, highlight=False, emoji=False)
+            self.console.print(text, markup=False, highlight=False, emoji=False)
 
 
 class VibeProgress(TerminalBar):
@@ -84,14 +75,14 @@ class VibeProgress(TerminalBar):
             title = f"round {number} of {rounds}"
             detail = f"loss {event['loss']:.3f}   {left // 60}:{left % 60:02d} left"
             done = (number - 1) * steps + event["step"]
-            self._bar.update(self._task, description=title, total=rounds * steps, completed=done, detail=detail)
+            self.update(self._task, description=title, total=rounds * steps, completed=done, detail=detail)
             if self._plain and number != self._round:
                 self._round = number
                 self.stage(f"{title}: {detail}")
 
     def stage(self, name: str) -> None:
         """Shows that a new stage begins."""
-        self._bar.update(self._task, description=name, total=None, detail="")
+        self.update(self._task, description=name, total=None, detail="")
         if self._plain:
             self.note(f"{time.monotonic() - self._start:5.1f} s  {name}")
 

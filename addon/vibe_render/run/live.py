@@ -167,7 +167,7 @@ class WordReadings:
 
     def due(self, scene: bpy.types.Scene, live: Path | None = None) -> bool:
         """True if the prompt, with its targets, has not been read yet against the scene as it is now."""
-        words = _words(scene)
+        words = scene.vibe.prompt, tuple(scene.vibe.target_pairs())
         if self._asked is not None or words != self._read:
             return True
         # The words are read; they are due again if the scene has changed.
@@ -182,7 +182,7 @@ class WordReadings:
         arrived = engine.poll_readings()
         if arrived:
             self.newest, self._read, self._asked = arrived, self._asked or self._read, None
-        words = _words(scene)
+        words = scene.vibe.prompt, tuple(scene.vibe.target_pairs())
         is_quiet = time.monotonic() - self._changed > _QUIET
         if self._asked is None and (words != self._read or (is_quiet and self.due(scene, live))):
             prompt, targets = words
@@ -213,10 +213,6 @@ class WordReadings:
                 self._folder = folder
             self._sketched = settings  # last: sketching updates the scene, which counts as a change
         return self._folder
-
-
-def _words(scene: bpy.types.Scene) -> _Words:
-    return scene.vibe.prompt, tuple(scene.vibe.target_pairs())
 
 
 def _settings(scene: bpy.types.Scene) -> tuple[Any, ...]:
