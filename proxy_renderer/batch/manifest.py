@@ -253,7 +253,8 @@ class _Reader(OptionReader):
         if given is None and any(options.get(name) for name in IN_FILES):
             return ("",)
         if isinstance(given, str):
-            path = self._named(given, "list of prompts", *keys)
+            with self._source.at(*keys):
+                path = check.file(str(self._base / given), "list of prompts")
             prompts: dict[str, None] = {}
             for number, line in enumerate(map(str.strip, path.read_text("utf-8").splitlines()), 1):
                 if line and not line.startswith("#"):
@@ -322,15 +323,11 @@ class _Reader(OptionReader):
                 remedy = f"It is looked for from {self._base}."
                 raise self._problem(f"No file matches {pattern!r}.", remedy, "files", pattern)
         if vocabulary:
-            self._named(vocabulary, "vocabulary", "options", "vocabulary")
+            with self._source.at("options", "vocabulary"):
+                check.file(str(self._base / vocabulary), "vocabulary")
         words = user_file()
         lines = [f"{p} {digest(self._base / p)}" for p in linked] + ([digest(words)] if words else [])
         return hashlib.sha256("\n".join(lines).encode()).hexdigest()
-
-    def _named(self, name: str, what: str, *keys: str) -> Path:
-        """The path of a file that the manifest names. Raises VibeError if it cannot be read."""
-        with self._source.at(*keys):
-            return check.file(str(self._base / name), what)
 
 
 _WORDS, _DIGEST = 32, 12  # characters of a prompt, and of the digest, in a folder's name

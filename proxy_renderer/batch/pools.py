@@ -105,11 +105,11 @@ def graphics_cards() -> int:
     return done.stdout.count("GPU ") if done.returncode == 0 else 0
 
 
-class Station:
+class Station(Worker):
     """A worker in an actor's process."""
 
     def __init__(self, setup: Setup, out: Path, token: str) -> None:
-        self._worker = Worker(setup)
+        super().__init__(setup)
         self._jobs = out / "jobs"
         self._shares = (read_json(out / TOKEN) or {}).get("token") == token
         self._node = os.getppid()  # Ray's process on this node, which has started this one
@@ -118,11 +118,11 @@ class Station:
         """True if this machine sees the results folder."""
         return self._shares
 
-    def run(self, job: Job, *scenes: bytes) -> tuple[JobRow, dict[str, bytes]]:
+    def attempt(self, job: Job, *scenes: bytes) -> tuple[JobRow, dict[str, bytes]]:
         """Carries out a job; returns its row, and its files by path if this machine does not see the results folder."""
         files: dict[str, bytes] = {}
         if self._shares:
-            row = self._worker.run(job, self._jobs / job.name)
+            row = self.run(job, self._jobs / job.name)
         else:
             with tempfile.TemporaryDirectory(prefix="vibe-batch-") as place:
                 folder, sources = Path(place) / "out", []
@@ -130,7 +130,7 @@ class Station:
                     sources.append(Path(place) / str(number) / source.name)  # several may have one name
                     sources[-1].parent.mkdir()
                     sources[-1].write_bytes(content)
-                row = self._worker.run(replace(job, source=sources[0], more=tuple(sources[1:])), folder)
+                row = self.run(replace(job, source=sources[0], more=tuple(sources[1:])), folder)
                 for path in folder.rglob("*"):
                     if path.is_file() and not path.name.startswith("."):
                         files[path.relative_to(folder).as_posix()] = path.read_bytes()
@@ -138,10 +138,6 @@ class Station:
             # The node has died: Ray has killed Blender before this process. The job has not failed.
             raise Interrupted
         return row, files
-
-    def close(self) -> None:
-        """Ends the running job."""
-        self._worker.close()
 
 
 class RayPool:
@@ -181,7 +177,7 @@ class RayPool:
         for source in sources:
             if source not in self._scenes:
                 self._scenes[source] = self._ray.put(source.read_bytes())
-        self._out[station.run.remote(job, *(self._scenes[source] for source in sources))] = (station, job)
+        self._out[station.attempt.remote(job, *(self._scenes[source] for source in sources))] = (station, job)
 
     def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
         """Waits for jobs to end; returns them with their rows, None for a job whose station has died.
