@@ -1,19 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The results of a vibe: report.json, and closing lines. Of bpy, only the version and the file's name are read."""
+"""The measurements of a vibe for report.json, and its closing lines."""
 
 from __future__ import annotations
 
-import argparse
-import os
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
-
-import bpy
 
 from ..core.schema_import import labels, messages, schema
 from ..export.job_folder import copied_values
-from ..export.notes import shortened_notes
 from ..render.light_groups import LightLayer
 from ..run.notes import CheckedFrame, frame_line, model_lines, steady_line, verdict_lines, word_notes
 from ..scene.nodes.mix import PASS
@@ -22,50 +16,10 @@ from .scenes import ShotList
 _SHOWN = 8
 
 
-def report_fields(
-    args: argparse.Namespace,
-    shot_list: ShotList,
-    result: messages.Result,
-    measured: Sequence[messages.Finished],
-    skipped: dict[str, str],
-    seconds: dict[str, float],
-) -> dict[str, Any]:
-    """The content of report.json: the engine's report and Blender's. Measurements of several shots are averaged."""
-    fields = dict(result.report)
-    timings = {**seconds, **{f"engine: {k}": v for k, v in fields.pop("timings", {}).items()}}
-    versions = {**fields.pop("versions", {}), "blender": bpy.app.version_string}
-    shots = [
-        {
-            "name": shot.name, "scene": Path(shot.scene).stem, "blend": blend_of(args, shot_list, number),
-            "camera": shot.camera, "frame": shot.frame, "before": numbered("before.png", number),
-            "after": numbered("after.png", number), **_measurements([each]),
-        }
-        for number, (shot, each) in enumerate(zip(shot_list.shots, measured, strict=True))
-    ]  # fmt: skip
-    return {
-        **fields,
-        "scene": os.path.basename(args.scene or bpy.data.filepath) or args.command,
-        "subject": sorted(shot_list.subjects[0]),
-        **_measurements(measured),
-        **({"shots": shots} if len(shots) > 1 else {}),
-        "stopped": result.stopped,
-        "not_written": skipped,
-        "warnings": _warnings(shot_list, result),
-        "timings": {**timings, "total": round(sum(seconds.values()), 2)},
-        "versions": versions,
-    }
-
-
 def light_rows(file: str, layers: Sequence[LightLayer]) -> dict[str, dict[str, list[str]]]:
     """File name -> pass name -> names of its lights, for a file of light layers; empty without layers."""
     rows = {PASS + layer.name: [member.name for member in layer.members] for layer in layers}
     return {file: rows} if rows else {}
-
-
-def blend_of(args: argparse.Namespace, shot_list: ShotList, number: int) -> str:
-    """The name of the .blend that a shot is saved in: its own with `--grade-each`, else its scene's."""
-    scenes = list(dict.fromkeys(args.scenes))
-    return numbered("vibed.blend", number if args.grade_each else scenes.index(shot_list.shots[number].scene))
 
 
 def numbered(name: str, number: int) -> str:
@@ -74,7 +28,7 @@ def numbered(name: str, number: int) -> str:
     return f"{stem}-{number + 1}.{kind}" if number else name
 
 
-def _measurements(measured: Sequence[messages.Finished]) -> dict[str, Any]:
+def measurements(measured: Sequence[messages.Finished]) -> dict[str, Any]:
     """Means of the shots' measurements, and the first shot's claims and verdicts; `delta_e` is of the shown prediction."""
     rows = [each.prediction for each in measured]
     names = [name for name in rows[0] if all(name in row for row in rows)]
@@ -96,22 +50,16 @@ def _mean(rows: Sequence[dict[str, float]]) -> dict[str, float]:
     return {key: round(sum(row[key] for row in rows) / len(rows), 4) for key in keys}
 
 
-def _warnings(shot_list: ShotList, result: messages.Result) -> list[str]:
-    """Notes on what the prediction leaves out, for the artist."""
-    ours = [warning for job in shot_list.jobs for warning in job.warnings]
-    return shortened_notes([*ours, *result.report.get("anchored", {}).get("notes", [])])
-
-
 def closing_lines(
     shot_list: ShotList,
     result: messages.Result,
     measured: Sequence[messages.Finished],
-    skipped: dict[str, str],
+    report: dict[str, Any],
     sequence: Sequence[CheckedFrame],
 ) -> list[str]:
-    """The lines to print at the end of a vibe; see `report_fields` for the arguments. `sequence` are checked frames."""
-    values = {k: v for k, v in result.values.items() if k not in skipped}
-    notes = [*word_notes(result.report)[:6], *_warnings(shot_list, result)]
+    """The lines to print at the end of a vibe: what report.json (`report`) says, and the frames that were checked."""
+    values = {k: v for k, v in result.values.items() if k not in report["not_written"]}
+    notes = [*word_notes(report)[:6], *report["warnings"]]
     own = shot_list.jobs[0].before
     lines = [f"Note: {note}" for note in notes] + change_lines(own | copied_values(own, values), values)
     if result.variants:

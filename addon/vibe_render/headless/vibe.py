@@ -73,22 +73,53 @@ class HeadlessVibe(Driver):
                     time.sleep(_PAUSE)
                 result = self._result
                 assert result is not None
-                fields = summary.report_fields(
-                    self._args, self._shots, result, self._measured, self._skipped, self._seconds
-                )
-                fields["steps"] = self._steps.rows()
-                if self._lights:
-                    fields["lights"] = self._lights
-                if self.sequence:
-                    fields["sequence"] = [
-                        {"frame": checked.frame, "lost": checked.lost}
-                        | ({"note": checked.note} if checked.note else {"verdicts": checked.verdicts})
-                        for checked in self.sequence
-                    ]
-                self._out.write_json("report.json", fields)
-            lines = summary.closing_lines(self._shots, result, self._measured, self._skipped, self.sequence)
+                report = self._report(result)
+                self._out.write_json("report.json", report)
+            lines = summary.closing_lines(self._shots, result, self._measured, report, self.sequence)
             self._reporter.result(lines, result.stopped, words_of(self._measured[0].verdicts, "missed"))
         return self._shots.jobs[-1].analysis
+
+    def _report(self, result: messages.Result) -> dict[str, Any]:
+        """The content of report.json: the engine's report and Blender's. Measurements of several shots are averaged."""
+        args, measured, fields = self._args, self._measured, dict(result.report)
+        timings = {**self._seconds, **{f"engine: {k}": v for k, v in fields.pop("timings", {}).items()}}
+        versions = {**fields.pop("versions", {}), "blender": bpy.app.version_string}
+        warnings = [warning for job in self._shots.jobs for warning in job.warnings]
+        shots = [
+            {
+                "name": shot.name, "scene": Path(shot.scene).stem, "blend": self._blend_of(number),
+                "camera": shot.camera, "frame": shot.frame, "before": numbered("before.png", number),
+                "after": numbered("after.png", number), **summary.measurements([each]),
+            }
+            for number, (shot, each) in enumerate(zip(self._shots.shots, measured, strict=True))
+        ]  # fmt: skip
+        sequence = [
+            {"frame": each.frame, "lost": each.lost}
+            | ({"note": each.note} if each.note else {"verdicts": each.verdicts})
+            for each in self.sequence
+        ]
+        return {
+            **fields,
+            "scene": os.path.basename(args.scene or bpy.data.filepath) or args.command,
+            "subject": sorted(self._shots.subjects[0]),
+            **summary.measurements(measured),
+            **({"shots": shots} if len(shots) > 1 else {}),
+            "stopped": result.stopped,
+            "not_written": self._skipped,
+            "warnings": notes.shortened_notes([*warnings, *fields.get("anchored", {}).get("notes", [])]),
+            "timings": {**timings, "total": round(sum(self._seconds.values()), 2)},
+            "versions": versions,
+            "steps": self._steps.rows(),
+            **({"lights": self._lights} if self._lights else {}),
+            **({"sequence": sequence} if sequence else {}),
+        }
+
+    def _blend_of(self, number: int) -> str:
+        """The name of the .blend that a shot is saved in: its own with `--grade-each`, else its scene's."""
+        scenes = list(dict.fromkeys(self._args.scenes))
+        return numbered(
+            "vibed.blend", number if self._args.grade_each else scenes.index(self._shots.shots[number].scene)
+        )
 
     def _lap(self, name: str) -> None:
         """Counts the seconds since the last call as time of this stage."""
@@ -167,7 +198,7 @@ class HeadlessVibe(Driver):
             if not args.grade_each:
                 shots.restore()
             own_keys.release(analysis.scene)
-            save_blend(out.path(summary.blend_of(args, shots, number)))
+            save_blend(out.path(self._blend_of(number)))
         self._measured.append((yield from self._answer(messages.Finished)))
         out.copy("compare.png", compared)
         if args.then:
