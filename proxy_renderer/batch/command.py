@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`vibe batch`, from a manifest to a folder of results, and `vibe flamenco install`."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

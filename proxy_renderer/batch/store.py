@@ -9,8 +9,6 @@ DIR/jobs/NAME/final.json      how the rendering of its final frames went; they a
 DIR/index.html, results.csv, results.jsonl
 """
 
-from __future__ import annotations
-
 import csv
 import html
 import json
@@ -24,7 +22,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from filelock import FileLock, Timeout
 
@@ -48,7 +46,7 @@ class Store:
         self._lock = FileLock(self.folder / ".lock", timeout=0)
         self.token = ""
 
-    def __enter__(self) -> Store:
+    def __enter__(self) -> Self:
         try:
             self._lock.acquire()
         except Timeout as error:

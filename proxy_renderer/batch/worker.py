@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A warm Blender that carries out jobs, and the files of a finished job for the sheet."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

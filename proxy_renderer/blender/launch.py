@@ -5,8 +5,6 @@ Blender's side (`vibe_render/batch.py --events`) prints lines `VIBE {json}`: "st
 "result" and "error", besides whatever Blender itself prints.
 """
 
-from __future__ import annotations
-
 import contextlib
 import importlib.util
 import json

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command line of batch.py: its arguments, and what it prints. No bpy here."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The commands of a headless run: run, export, apply, revert, frames, and `serve`, which runs many command lines."""
 
-from __future__ import annotations
-
 import json
 import os
 import queue

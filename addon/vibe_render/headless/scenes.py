@@ -5,8 +5,6 @@ Where Blender is a Python module, fluid simulations abort it or write caches nex
 off as long as a file is open.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The measurements of a vibe for report.json, and its closing lines."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

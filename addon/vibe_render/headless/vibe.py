@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A headless vibe: opens and exports the shots, has the engine find the look, renders, measures and saves."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import signal

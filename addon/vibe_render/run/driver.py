@@ -4,8 +4,6 @@
 The panel advances them by a timer, so that Blender stays usable between two steps; without a window, a loop does so.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Generator, Iterable, Mapping

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A light mix of the open scene: renders the light layers, mixes them, writes the mix to the scene or its compositor."""
 
-from __future__ import annotations
-
 import shutil
 import uuid
 from collections import Counter

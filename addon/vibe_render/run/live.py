@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Words that are being typed: Live shows their first look at each pause, and readings tell how each one is understood."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Generator
 from contextlib import suppress

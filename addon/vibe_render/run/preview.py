@@ -9,8 +9,6 @@ Blender's temporary folder until Keep or Revert. There is one for each resolutio
 images with the same framing can be compared.
 """
 
-from __future__ import annotations
-
 import contextlib
 import shutil
 import zlib

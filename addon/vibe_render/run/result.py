@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A vibe's result in the scene: written, listed, blended with the original, kept or reverted."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Sequence

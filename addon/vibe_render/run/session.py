@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A vibe that runs while Blender stays usable: each call of `Session.advance` does one short step."""
 
-from __future__ import annotations
-
 import shutil
 import time
 import uuid
@@ -73,7 +71,7 @@ class SceneSession(Driver):
         """The subject's objects that are still in the scene."""
         return [scene.objects[name] for name in self._subject if name in scene.objects]
 
-    def take_over(self, other: SceneSession) -> None:
+    def take_over(self, other: "SceneSession") -> None:
         """Takes over the look of another session of the same scene, if it shows one."""
         self.look, self.words = other.look, other.words
         self.preview, self.before = other.preview, other.before

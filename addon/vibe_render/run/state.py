@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The add-on's state while Blender runs: the engine, the vibe, Live, the readings of words."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import bpy

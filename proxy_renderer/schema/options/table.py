@@ -7,12 +7,10 @@ manifest of `vibe batch`. A new option is one row: a field of `Options` if the e
 or `SUPPORT`.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 from ..errors import VibeError
 from ..limits import BUDGETS, LARGEST_SEED, LONGEST_PROMPT, NUMBERS, STANDARD
@@ -168,7 +166,7 @@ class Options:
     online: bool = True  # whether other computers may be reached; a model on this one always may
 
     @classmethod
-    def from_dict(cls, raw: dict[str, Any]) -> Options:
+    def from_dict(cls, raw: dict[str, Any]) -> Self:
         """Options from their JSON form; missing ones keep their defaults. Raises VibeError if a name is no option's."""
         defaults = {f.name: f.default for f in fields(cls)}
         if strange := sorted(set(raw) - set(defaults)):
