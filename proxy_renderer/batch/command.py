@@ -25,6 +25,14 @@ from .pools import Pool, RayPool, fitting, local_pool, machine
 from .store import DONE, FAILED, Finals, JobRow, Sheet, Store, head, read_json, write_bytes
 from .worker import Setup
 
+_LISTED = 12  # most scenes that the plan lists
+_MEASURED = 50  # most finished jobs whose times an estimate uses
+# Seconds on two cores, from `vibe demo` (see "Speed" in the README): the start, a round's anchor of a shot, a step, and
+# the final renders of a shot at 512 pixels and 128 samples.
+_FIXED, _ROUND, _STEP, _RENDERS = 5.0, 3.0, 0.14, 12.0
+_LOSSES = 5  # times that a job's worker may be lost before the job counts as failed
+Tell = Callable[[str, Job, JobRow], None]  # is called with "started", "done", "failed", "again" or "lost"
+
 
 class BatchProgress(TerminalBar):
     """Counts jobs and shows the numbers; the keys of `counts` are "done", "failed" and "running"."""
@@ -73,13 +81,6 @@ class BatchProgress(TerminalBar):
 
 def _clock(seconds: float) -> timedelta:
     return timedelta(seconds=round(seconds))
-
-
-_LISTED = 12  # most scenes that the plan lists
-_MEASURED = 50  # most finished jobs whose times an estimate uses
-# Seconds on two cores, from `vibe demo` (see "Speed" in the README): the start, a round's anchor of a shot, a step, and
-# the final renders of a shot at 512 pixels and 128 samples.
-_FIXED, _ROUND, _STEP, _RENDERS = 5.0, 3.0, 0.14, 12.0
 
 
 def account(plan: BatchPlan, out: Path, workers: int) -> str:
@@ -165,10 +166,6 @@ def _pass(jobs: Iterable[Job], store: Store, pool: Pool, limits: Limits, sheet: 
     finally:
         progress.note(progress.summary())
     return progress.counts["failed"]
-
-
-_LOSSES = 5  # times that a job's worker may be lost before the job counts as failed
-Tell = Callable[[str, Job, JobRow], None]  # is called with "started", "done", "failed", "again" or "lost"
 
 
 def carry_out(

@@ -4,8 +4,6 @@
 A mistake raises VibeError, which names its place in the file. docs/guide/batch.md has an example with all tables.
 """
 
-from __future__ import annotations
-
 import argparse
 import fnmatch
 import glob
@@ -39,6 +37,8 @@ def digest(path: Path) -> str:
 IN_FILES = ("like", "goals")  # options that name a file, instead of a prompt or together with one
 _ELSEWHERE = {"seed": "Write seeds = [0, 1] at the top."}
 _KNOWN = ("scenes", "prompts", "seeds", "files", "options", "limits", "scene", "shots")
+_WORDS, _DIGEST = 32, 12  # characters of a prompt, and of the digest, in a folder's name
+_FILES = tuple(f"--{name}=" for name in IN_FILES)
 
 
 class TomlSource:
@@ -75,10 +75,8 @@ class OptionReader:
         self._defaults = {row.name: row.command_default for row in self._rows.values() if row.name != "stage"}
 
     def read(self, table: dict[str, Any], keys: tuple[str, ...], where: str = "") -> dict[str, Any]:
-        """The options in a table of the manifest, checked for type and value; `where` is "scene", "shots" or "".
-
-        Tables of scenes and of shots allow a few more options than [options] does.
-        """
+        """The options in a table of the manifest, checked for type and value; `where` is "scene", "shots" or ""."""
+        # Tables of scenes and of shots allow a few more options than [options] does.
         rows = {n: row for n, row in self._rows.items() if {"options", where} & set(row.manifest)}
         options: dict[str, Any] = {}
         for key, value in table.items():
@@ -170,7 +168,7 @@ class SceneGroup:
     more: tuple[Path, ...] = ()  # paths of the other scenes
 
 
-def load(path: Path, out: Path) -> tuple[BatchPlan, Limits]:
+def load(path: Path, out: Path) -> tuple["BatchPlan", Limits]:
     """Reads and checks a manifest; scenes that patterns match in the results folder are left out."""
     check.file(str(path), "manifest")
     return _Reader(TomlSource(path.expanduser()), out.expanduser().resolve()).manifest()
@@ -181,7 +179,7 @@ class _Reader(OptionReader):
         super().__init__(source, source.path.parent.resolve())
         self._content, self._out = source.content, out
 
-    def manifest(self) -> tuple[BatchPlan, Limits]:
+    def manifest(self) -> tuple["BatchPlan", Limits]:
         for key in self._content:
             if key not in _KNOWN:
                 raise self._problem(f"Unknown key {key!r}.", f"Use {', '.join(_KNOWN)}.", key)
@@ -328,10 +326,6 @@ class _Reader(OptionReader):
         words = user_file()
         lines = [f"{p} {digest(self._base / p)}" for p in linked] + ([digest(words)] if words else [])
         return hashlib.sha256("\n".join(lines).encode()).hexdigest()
-
-
-_WORDS, _DIGEST = 32, 12  # characters of a prompt, and of the digest, in a folder's name
-_FILES = tuple(f"--{name}=" for name in IN_FILES)
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,18 @@ DONE, FAILED, LOG = "done.json", "failed.json", "log.txt"
 FINAL, FRAMES = "final.json", "frames"
 WORDS = ("visible", "already", "unmeasured", "missed")  # lists of a row: words by state, as in `verdicts`
 TOKEN = "batch.json"  # its token identifies the results folder, so that a machine can check that it sees the same one
+FIELDS = (
+    "name", "scene", "prompt", "seed", "status", *WORDS, "delta_e",
+    "seconds", "seconds_loop", "seconds_cycles", "memory_gb", "attempts", "frames", "shots", "variants", "final_error", "error", "remedy", "folder",
+)  # fmt: skip
+FILES = {
+    "before": "before.png", "after": "after.png", "compare": "compare.png",
+    "blend": "vibed.blend", "preset": "preset.json", "report": "report.json",
+}  # fmt: skip
+_PAGE = Path(__file__).with_name("page")
+_SCRIPTS = ("rows.js", "card.js", "large.js", "keys.js")
+_SHARE = 0.05  # greatest share of the time that is spent on rewriting the sheet while jobs run
+_SOONEST = 5.0  # seconds
 
 
 class Store:
@@ -191,22 +203,7 @@ def takes(shots: list[dict[str, Any]], blends: list[str], frames: str) -> tuple[
 
 
 def _label(*parts: str) -> str:
-    """Scene and camera as the name of a folder."""
     return "-".join(re.sub(r"[^\w.-]+", "_", part) for part in parts if part)
-
-
-FIELDS = (
-    "name", "scene", "prompt", "seed", "status", *WORDS, "delta_e",
-    "seconds", "seconds_loop", "seconds_cycles", "memory_gb", "attempts", "frames", "shots", "variants", "final_error", "error", "remedy", "folder",
-)  # fmt: skip
-FILES = {
-    "before": "before.png", "after": "after.png", "compare": "compare.png",
-    "blend": "vibed.blend", "preset": "preset.json", "report": "report.json",
-}  # fmt: skip
-_PAGE = Path(__file__).with_name("page")
-_SCRIPTS = ("rows.js", "card.js", "large.js", "keys.js")
-_SHARE = 0.05  # greatest share of the time that is spent on rewriting the sheet while jobs run
-_SOONEST = 5.0  # seconds
 
 
 class Sheet:

@@ -26,6 +26,7 @@ from .store import DONE, FINAL, FRAMES, LOG, WORDS, JobRow, head, read_json, tid
 _THUMB = 480  # pixels, the longer side
 _PICTURES, _UNDERSTOOD = ("before", "after"), ("ignored", "guesses", "notes")
 _ENGINE, _CYCLES = "engine: loop", ("render before", "render after")
+_TICK = 0.5  # seconds between two checks of a job's time and memory
 
 
 def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
@@ -85,9 +86,6 @@ def _details(job: Job, report: dict[str, Any]) -> bytes:
         "understood": {name: understood[name] for name in _UNDERSTOOD if understood.get(name)},
     }
     return f"vibeDetails({json.dumps(job.name)}, {json.dumps(content, ensure_ascii=False)});\n".encode()
-
-
-_TICK = 0.5  # seconds between two checks of a job's time and memory
 
 
 @dataclass(frozen=True)

@@ -100,6 +100,7 @@ class VibeProgress(TerminalBar):
 _TRACE = re.compile(r"(Fatal Python error|Current thread|Thread 0x|Extension modules|\s+File |EGL Error|VIBE )")
 _TELLING = re.compile(r"error|exception|abort|fail|invalid|corrupt|not a ", re.IGNORECASE)
 _LAST = 20  # last lines among which the one that explains a crash is looked for
+_MARK = "VIBE "
 
 
 def crash(code: int, doing: str, output: Sequence[str]) -> errors.UnexpectedError:
@@ -143,9 +144,6 @@ def _family(number: int) -> list[psutil.Process]:
         return [first, *first.children(recursive=True)]
     except psutil.Error:
         return []
-
-
-_MARK = "VIBE "
 
 
 def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None) -> int:

@@ -28,6 +28,10 @@ _BASISU = "KHR_texture_basisu"
 _UNCOMPRESSED = "Export it again without compression."
 _REMEDIES = dict.fromkeys(("EXT_meshopt_compression", "KHR_meshopt_compression"), _UNCOMPRESSED)
 _REMEDIES[_BASISU] = "Export it again with PNG or JPEG textures."
+_NAME = "KHR_draco_mesh_compression"
+_LONGEST_TEXT = 16_000_000  # bytes; reading more of a text format would take longer than Blender's start
+_NUMBERS = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
+"""glTF's `componentType` -> type of a component."""
 
 
 def read_gltf(path: Path) -> tuple[dict[str, Any], bytes]:
@@ -60,11 +64,6 @@ def refuse_unread_extensions(path: Path) -> None:
     for name in sorted(required.difference(_READ.split())):
         remedy = _REMEDIES.get(name, "Export it again without this extension.")
         raise VibeError(f"{path.name} needs the glTF extension {name}, which Blender cannot read.", remedy)
-
-
-_NAME = "KHR_draco_mesh_compression"
-_NUMBERS = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
-"""glTF's `componentType` -> type of a component."""
 
 
 def is_packed(path: Path) -> bool:
@@ -160,9 +159,6 @@ def _write(path: Path, document: dict[str, Any], data: bytearray) -> None:
     path.write_bytes(head + chunks)
 
 
-_LONGEST_TEXT = 16_000_000  # bytes; reading more of a text format would take longer than Blender's start
-
-
 @contextmanager
 def prepared(scene: Path) -> Iterator[Path]:
     """The file for Blender: the scene, or an uncompressed copy that exists inside the block. Refuses bad meshes."""
@@ -178,10 +174,7 @@ def prepared(scene: Path) -> Iterator[Path]:
 
 
 def check(path: Path) -> None:
-    """Raises VibeError for a file that is broken, or whose meshes have no faces, no size or infinite coordinates.
-
-    Long text files are not checked.
-    """
+    """Raises VibeError for a file that is broken, or whose meshes have no faces, no size or infinite coordinates."""
     with path.open("rb") as file:
         is_text = b"\0" not in file.read(1024)
     if is_text and path.stat().st_size > _LONGEST_TEXT:

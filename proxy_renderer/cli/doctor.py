@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`vibe doctor`: what is installed, what works, and what to do about what does not."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import platform
@@ -13,13 +11,11 @@ from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING
 
 from .. import __version__
 from ..schema import VibeError
-
-if TYPE_CHECKING:
-    from ..vlm.endpoint import Endpoint
+from ..schema.messages import Options
+from ..vlm.endpoint import Endpoint, find_endpoint
 
 _BLENDER = (
     "import bpy, json, os; print('BLENDER ' + json.dumps([bpy.app.version_string, "
@@ -34,15 +30,9 @@ def examine() -> int:
     print(f"vibe-render {__version__}", flush=True)
     config: list[str] = []
     checks: list[tuple[str, Callable[[], str]]] = [
-        ("Python", _python),
-        ("Blender", lambda: _blender(config)),
-        ("torch", _torch),
-        ("rays", _rays),
-        ("color", lambda: _ocio(config)),
-        ("encoder", _encoder),
-        ("folders", _folders),
-        ("model", _model),
-    ]
+        ("Python", _python), ("Blender", lambda: _blender(config)), ("torch", _torch), ("rays", _rays),
+        ("color", lambda: _ocio(config)), ("encoder", _encoder), ("folders", _folders), ("model", _model),
+    ]  # fmt: skip
     broken = 0
     for name, act in checks:
         try:
@@ -115,13 +105,9 @@ def _encoder() -> str:
 
 def _model() -> str:
     """The answer to one cheap question with an image, if a vision-language model is configured."""
-    from ..schema.messages import Options
-    from ..vlm.endpoint import find_endpoint
-
-    endpoint = find_endpoint(Options())
-    if endpoint is None:
-        return "none, the offline planner does without (VIBE_VLM_MODEL names one)"
-    return try_model(endpoint)
+    if endpoint := find_endpoint(Options()):
+        return try_model(endpoint)
+    return "none, the offline planner does without (VIBE_VLM_MODEL names one)"
 
 
 def try_model(endpoint: Endpoint) -> str:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`vibe explain`: what a prompt would do to a scene, or to a plain one."""
 
-from __future__ import annotations
-
 import json
 import sys
 import tempfile
@@ -67,7 +65,7 @@ def account(
     return "\n".join([explain(*decided), *(["", "Light", *(f"  {line}" for line in light)] if light else [])])
 
 
-def _light(goals: Goals, stage: StagedScenes | None) -> list[str]:
+def _light(goals: Goals, stage: "StagedScenes | None") -> list[str]:
     """Lines on the rig that the words ask for: the light for each of its parts; without a scene, the settings of each."""
     if stage:
         return list(stage.lighting.notes) if stage.lighting else []
@@ -84,7 +82,7 @@ def _light(goals: Goals, stage: StagedScenes | None) -> list[str]:
 
 def _read(
     prompt: str, scene: Path, subject: Sequence[str], target: Sequence[str]
-) -> tuple[StagedScenes, dict[str, Instance], SceneDescription]:
+) -> tuple["StagedScenes", dict[str, Instance], SceneDescription]:
     """A scene before the first round of a vibe: its stage, its parameter instances and its description, without a render."""
     from ..blender.launch import VibeProgress, launch
     from ..blender.meshes import prepared

@@ -270,10 +270,7 @@ class HeadlessVibe(Driver):
 
 
 def run_one(vibe: HeadlessVibe, queue: list[Any]) -> SceneAnalysis:
-    """Runs a vibe as `HeadlessVibe.run`; Ctrl-C ends its search early, and empties `queue`, the work that was to follow.
-
-    A second Ctrl-C ends the process.
-    """
+    """Runs a vibe as `HeadlessVibe.run`; Ctrl-C ends its search early, and empties `queue`, the work that was to follow."""
     # Python runs signal handlers only between its own instructions, so not while Cycles renders. Therefore signal numbers
     # are written to a socket, which a thread reads.
     reading, writing = socket.socketpair()
@@ -289,7 +286,7 @@ def run_one(vibe: HeadlessVibe, queue: list[Any]) -> SceneAnalysis:
             queue.clear()
             vibe.stop()
             reading.recv(1)
-            os._exit(130)
+            os._exit(130)  # a second Ctrl-C
 
     threading.Thread(target=watch, daemon=True).start()
     return vibe.run()

@@ -76,7 +76,9 @@ class Live(SceneSession):
     def hand_over(self, session: SceneSession) -> None:
         """Hands the look over to a vibe of the same scene, which shows it until it has a better one."""
         self._pause()
-        session.take_over(self)
+        session.look, session.words, session.preview, session.before = self.look, self.words, self.preview, self.before
+        session._subject, session._pivot, session._shown = self._subject, self._pivot, self._shown
+        session._keyed, self._keyed = self._keyed, False
         self._forget_look()
 
     def clear(self) -> None:

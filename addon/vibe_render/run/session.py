@@ -71,13 +71,6 @@ class SceneSession(Driver):
         """The subject's objects that are still in the scene."""
         return [scene.objects[name] for name in self._subject if name in scene.objects]
 
-    def take_over(self, other: "SceneSession") -> None:
-        """Takes over the look of another session of the same scene, if it shows one."""
-        self.look, self.words = other.look, other.words
-        self.preview, self.before = other.preview, other.before
-        self._subject, self._pivot, self._shown = other._subject, other._pivot, other._shown
-        self._keyed, other._keyed = other._keyed, False
-
     def show_again(self) -> None:
         """Shows the newest look again, after a save or an undo has taken it out of the scene."""
         self._shown = None
@@ -98,7 +91,6 @@ class SceneSession(Driver):
         self.show_again()
 
     def _object_mode(self, stage: str) -> Generator[str]:
-        """Waits for Object Mode."""
         while bpy.context.mode != "OBJECT":
             self.stage = stage
             yield self.stage
