@@ -38,7 +38,7 @@ class BatchProgress(TerminalBar):
     """Counts jobs and shows the numbers; the keys of `counts` are "done", "failed" and "running"."""
 
     def __init__(self, total: int, done: int) -> None:
-        self._total, self._before = total, done
+        self._total, self._before, self._ended = total, done, done
         self.counts = {"done": done, "failed": 0, "running": 0}
         jobs, bar = "{task.completed:.0f}/{task.total:.0f} jobs", BarColumn(bar_width=32)
         columns = (jobs, bar, "{task.description}", TimeElapsedColumn(), TimeRemainingColumn())
@@ -49,6 +49,7 @@ class BatchProgress(TerminalBar):
         self.counts["running"] += 1 if what == "started" else -1
         if what in ("done", "failed"):
             self.counts[what] += 1
+            self._ended += 1
         failed = f", {self.counts['failed']} failed" if self.counts["failed"] else ""
         self.update(self._task, description=f"{self.counts['running']} running{failed}", completed=self._ended)
         if what == "started" or not (what == "failed" or self._plain):
@@ -73,10 +74,6 @@ class BatchProgress(TerminalBar):
         parts += [f"{self.counts['failed']} failed"] if self.counts["failed"] else []
         parts += [f"{waiting} wait"] if waiting else []
         return ", ".join(parts) + "."
-
-    @property
-    def _ended(self) -> int:
-        return self.counts["done"] + self.counts["failed"]
 
 
 def _clock(seconds: float) -> timedelta:

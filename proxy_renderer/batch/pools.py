@@ -212,13 +212,22 @@ class RayPool:
         self._ray.shutdown()
 
     def _look(self) -> None:
-        """Starts stations on new nodes, and drops the stations of nodes that are gone."""
+        """Starts stations on new nodes, drops those of nodes that are gone. Raises VibeError if the head node is gone."""
         from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
 
         if time.monotonic() < self._next:
             return
         self._next = time.monotonic() + _LOOK
-        self._check_head()
+        host, port = self._ray.get_runtime_context().gcs_address.rsplit(":", 1)
+        for _ in range(_PATIENCE):
+            with contextlib.suppress(OSError):
+                socket.create_connection((host, int(port)), _LOOK).close()
+                break
+            time.sleep(_LOOK)
+        else:  # told here, because Ray would end this process without a message
+            self._lost = True
+            remedy = "Bring it back, then run the same command again: it continues with what is done."
+            raise VibeError("The cluster's head is lost.", remedy)
         alive = {node["NodeID"]: node["Resources"] for node in self._ray.nodes() if node["Alive"]}
         for gone in set(self._nodes) - set(alive):
             for station in list(self._nodes[gone]):
@@ -237,18 +246,6 @@ class RayPool:
                 ).remote(self._setup, self._store.folder, self._store.token)
                 self._coming[station.shares.remote()] = station
                 group.append(station)
-
-    def _check_head(self) -> None:
-        """Raises VibeError if the head node is gone, before Ray notices and ends this process without a message."""
-        host, port = self._ray.get_runtime_context().gcs_address.rsplit(":", 1)
-        for _ in range(_PATIENCE):
-            try:
-                return socket.create_connection((host, int(port)), _LOOK).close()
-            except OSError:
-                time.sleep(_LOOK)
-        self._lost = True
-        remedy = "Bring it back, then run the same command again: it continues with what is done."
-        raise VibeError("The cluster's head is lost.", remedy)
 
     def _forget(self, station: Any) -> None:
         """Removes a station that has died; `_look` starts another if the node is still alive."""

@@ -81,7 +81,15 @@ def loads(text: str) -> Preset:
     for role, entries in raw["roles"].items():
         _check_role(role, entries)
     kinds = raw.get("kinds", {})
-    _check_kinds(kinds, raw["roles"])
+    if not isinstance(kinds, dict):
+        raise VibeError("The preset's kinds of lights are broken.", _OURS)
+    for role, types in kinds.items():  # a role that has types of lights has one for each of its entries
+        of_light = ROLES.get(role) == "light" and isinstance(types, list)
+        if not of_light or len(types) != len(raw["roles"].get(role, ())):
+            raise VibeError(f"The preset's kinds of lights for {quoted(role)} do not fit its lights.", _OURS)
+        for unknown in (each for each in types if each not in LIGHT_TYPES):
+            remedy = f"Types are: {', '.join(LIGHT_TYPES)}."
+            raise VibeError(f"The preset has an unknown type of light {quoted(str(unknown))}.", remedy)
     name, prompt = _text(raw, "name", LONGEST_NAME), _text(raw, "prompt", LONGEST_PROMPT)
     goals = raw.get("goals", {})
     if not isinstance(goals, dict):
@@ -117,20 +125,6 @@ def _check_role(role: str, entries: Any) -> None:
         if not all(parameter.lower <= v <= parameter.upper for v in value):
             remedy = f"Use {parameter.lower:g} to {parameter.upper:g}."
             raise VibeError(f"The preset's {role}/{name} is out of bounds: {quoted(str(value))}.", remedy)
-
-
-def _check_kinds(kinds: Any, roles: Mapping[str, list[Entry]]) -> None:
-    """Checks the types of the lights: a role that has types has one for each of its entries."""
-    if not isinstance(kinds, dict):
-        raise VibeError("The preset's kinds of lights are broken.", _OURS)
-    for role, types in kinds.items():
-        of_light = ROLES.get(role) == "light" and isinstance(types, list)
-        if not of_light or len(types) != len(roles.get(role, ())):
-            raise VibeError(f"The preset's kinds of lights for {quoted(role)} do not fit its lights.", _OURS)
-        for each in types:
-            if each not in LIGHT_TYPES:
-                remedy = f"Types are: {', '.join(LIGHT_TYPES)}."
-                raise VibeError(f"The preset has an unknown type of light {quoted(str(each))}.", remedy)
 
 
 def clamped(group: str, values: Mapping[str, Sequence[float]]) -> Entry:

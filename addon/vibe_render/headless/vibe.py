@@ -206,10 +206,9 @@ class HeadlessVibe(Driver):
 
     def _check_sequence(self) -> Generator[str]:
         """Checks frames of the scene with the look; saves an image of those where a word is no longer visible."""
-        job, args = self._shots.show(0), self._args
-        scene, seen = job.analysis.scene, words_of(self._measured[0].verdicts, "visible")
-        frames = range(scene.frame_start, scene.frame_end + 1, args.check_every)
-        yield from self._check_frames(scene, frames, seen, self._shots.choice, args.seed, job.analysis)
+        analysis, args, verdicts = self._shots.show(0).analysis, self._args, self._measured[0].verdicts
+        choice = self._shots.choice
+        yield from self._check_frames(analysis.scene, args.check_every, verdicts, choice, args.seed, analysis)
         if pictures := [each.picture for each in self.sequence if each.picture and each.lost]:
             final_render.join_pictures(pictures, self._out.path("sequence.png"))
         self._shots.restore()

@@ -6,7 +6,7 @@ The panel advances them by a timer, so that Blender stays usable between two ste
 
 import math
 import time
-from collections.abc import Callable, Generator, Iterable, Mapping
+from collections.abc import Callable, Generator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -168,19 +168,20 @@ class Driver:
     def _check_frames(
         self,
         scene: Scene,
-        frames: Iterable[int],
-        seen: Iterable[str],
+        every: int,
+        verdicts: Sequence[Mapping[str, str]],
         choice: SubjectChoice,
         seed: int,
         first: SceneAnalysis | None = None,
     ) -> Generator[str]:
-        """Renders frames with and without the look, and has the engine measure the words; the scene stays as it is.
+        """Renders every so many frames with and without the look, and has the engine measure the words.
 
-        `seen` are the words that are visible at the frame where the look was found; `first` is the analysis there.
+        `verdicts` are those at the frame where the look was found, `first` is the analysis there. The scene stays as it is.
         """
         self.sequence, start, shown = (), scene.frame_current, keyframes.are_shown(scene)
+        seen = words_of(verdicts, "visible")
         try:
-            for frame in frames:
+            for frame in range(scene.frame_start, scene.frame_end + 1, every):
                 self._show_frame(frame)
                 yield self.stage
                 scene.frame_set(frame)

@@ -25,7 +25,6 @@ from ..scene.steps import Change, Steps
 from ..scene.subject import SubjectChoice, remember_subject
 from . import preview, result
 from .driver import ANCHORING, Driver
-from .notes import words_of
 
 READING = "Reading the scene"
 PAUSING = (READING, ANCHORING)  # stages that block Blender; the larger the scene, the longer
@@ -180,11 +179,9 @@ class Session(SceneSession):
 
     def check(self, scene: Scene, every: int) -> None:
         """Makes `advance` check every so many frames of the scene's range; the results are in `sequence`."""
-        frames = range(scene.frame_start, scene.frame_end + 1, every)
-        seen = words_of(self.report.get("verdicts", ()), "visible")
-        choice = SubjectChoice(tuple(self._subject))
+        choice, verdicts = SubjectChoice(tuple(self._subject)), self.report.get("verdicts", ())
         self.checking = True
-        self._steps = self._check_frames(scene, frames, seen, choice, self._options.seed)
+        self._steps = self._check_frames(scene, every, verdicts, choice, self._options.seed)
 
     def cancel(self) -> None:
         """Ends a vibe, whose scene is then as it was before, or a check of frames, which leaves the result in it."""
