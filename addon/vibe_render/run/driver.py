@@ -6,7 +6,7 @@ The panel advances them by a timer, so that Blender stays usable between two ste
 
 import math
 import time
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Generator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
