@@ -130,11 +130,7 @@ def run(a: argparse.Namespace) -> int:
         sheet = Sheet(a.manifest.stem, plan, store)
         sheet.write()
         print(f"{len(plan)} jobs. Watch {store.folder / 'index.html'}", flush=True)
-        pool: Pool
-        if a.ray:
-            pool = RayPool(a.ray, store, setup, a.workers)
-        else:
-            pool = local_pool(store.jobs, setup, a.workers)
+        pool: Pool = RayPool(a.ray, store, setup, a.workers) if a.ray else local_pool(store.jobs, setup, a.workers)
         try:
             failed = _pass(plan, store, pool, limits, sheet)
             if a.final is not None:

@@ -146,9 +146,7 @@ class Limits:
     """Cores, memory and time of a job."""
 
     minutes: float = 60.0  # of wall time; a job that takes longer is ended
-    # of Blender and the engine together; a job that uses more is ended. The number of workers is so that each can have
-    # as much
-    memory_gb: float = 6.0
+    memory_gb: float = 6.0  # of Blender and the engine together, for each worker; a job that uses more is ended
     cores: int = 2  # threads of the engine: the same number gives the same values, bit for bit, everywhere
     retries: int = 1  # times that a failed job is tried again
     free_gb: float = 1.0  # of disk space; no job is started below that
@@ -158,8 +156,7 @@ class Limits:
 class SceneGroup:
     """A scene of the manifest, or several that are to share a look."""
 
-    # path of a single scene from the manifest's folder, with forward slashes; of several, their name in the manifest
-    name: str
+    name: str  # path from the manifest's folder, with forward slashes; of several scenes, their name in the manifest
     source: Path  # path of the scene, or of the first
     digest: str  # of the scenes' content, and of all other files that the result depends on
     prompts: tuple[str, ...]  # each is tried with each seed
@@ -349,8 +346,7 @@ class Job:
     seed: int  # of every random choice
     arguments: tuple[str, ...]  # options for Blender's side, with prompt and seed
     more: tuple[Path, ...] = ()  # paths of the other scenes that are to have the same look
-    # None for a vibe; otherwise the final frames that the job renders of its result: "1-24", "" for the scene's own
-    frames: str | None = None
+    frames: str | None = None  # final frames of its result to render: "1-24", "" for the scene's own; None for a vibe
     takes: tuple[Take, ...] = ()  # these frames, for every .blend and camera of the result; empty for a vibe
 
 

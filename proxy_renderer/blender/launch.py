@@ -27,6 +27,11 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TimeElapsedColumn
 
 from ..schema import VibeError, atomic, errors
 
+_TRACE = re.compile(r"(Fatal Python error|Current thread|Thread 0x|Extension modules|\s+File |EGL Error|VIBE )")
+_TELLING = re.compile(r"error|exception|abort|fail|invalid|corrupt|not a ", re.IGNORECASE)
+_LAST = 20  # last lines among which the one that explains a crash is looked for
+_MARK = "VIBE "
+
 
 class TerminalBar(Progress):
     """A progress bar in a terminal, plain lines elsewhere; None is standard output. Use it as a context manager."""
@@ -95,12 +100,6 @@ class VibeProgress(TerminalBar):
         missing = ", ".join(self._result.get("missing", []))
         ended = f"Ended without {missing}, after" if missing else "Done in"
         self.note(f"{ended} {seconds:.0f} s. Open {picture if picture.is_file() else out}")
-
-
-_TRACE = re.compile(r"(Fatal Python error|Current thread|Thread 0x|Extension modules|\s+File |EGL Error|VIBE )")
-_TELLING = re.compile(r"error|exception|abort|fail|invalid|corrupt|not a ", re.IGNORECASE)
-_LAST = 20  # last lines among which the one that explains a crash is looked for
-_MARK = "VIBE "
 
 
 def crash(code: int, doing: str, output: Sequence[str]) -> errors.UnexpectedError:

@@ -14,6 +14,8 @@ from .errors import VibeError
 from .options.table import Options as Options
 from .parameters import schema_hash
 
+VARIANTS = "variants.png"  # the sheet of all variants, a file name in the job folder
+
 
 @dataclass(frozen=True)
 class Ready:
@@ -156,9 +158,6 @@ class Anchored:
     groups: dict[str, str] = field(default_factory=dict)  # light group -> its light: "light/NAME" or "world"
     seconds: float = 0.0  # how long the render took
     error: str = ""  # why there is no image
-
-
-VARIANTS = "variants.png"  # the sheet of all variants, a file name in the job folder
 
 
 @dataclass(frozen=True)
