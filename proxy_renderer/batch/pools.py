@@ -180,10 +180,7 @@ class RayPool:
         self._out[station.attempt.remote(job, *(self._scenes[source] for source in sources))] = (station, job)
 
     def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
-        """Waits for jobs to end; returns them with their rows, None for a job whose station has died.
-
-        Also registers stations that have started.
-        """
+        """Waits for jobs and new stations; returns ended jobs with their rows, None for one whose station has died."""
         self._look()
         waiting = [*self._coming, *self._out]
         if not waiting:
@@ -262,8 +259,7 @@ class RayPool:
         try:
             row, files = self._ray.get(reference)
         except self._ray.exceptions.RayError as error:
-            failed = isinstance(error, self._ray.exceptions.RayTaskError)
-            if failed and not isinstance(error.cause, Interrupted):
+            if isinstance(error, self._ray.exceptions.RayTaskError) and not isinstance(error.cause, Interrupted):
                 raise
             self._forget(station)
             return job, None

@@ -215,8 +215,7 @@ def _vocabulary(a: argparse.Namespace) -> int:
         if a.color:
             user_words.add_color(path, a.name, a.color)
         else:
-            facts = {"slot": a.slot, "words": a.words, "wishes": a.wish, "means": a.means}
-            user_words.add_look(path, a.name, facts)
+            user_words.add_look(path, a.name, {"slot": a.slot, "words": a.words, "wishes": a.wish, "means": a.means})
         print(f"'{a.name}' is in {path} now.")
         return 0
     check.vocabulary(a.vocabulary)

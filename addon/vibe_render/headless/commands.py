@@ -109,7 +109,14 @@ def _run_moments(args: Namespace, reporter: Reporter, engine: Engine) -> None:
 
     Nothing is written if fewer than two moments are given, or if any vibe fails.
     """
-    waiting = list(args.moments) or _of_markers(args, reporter)
+    waiting = list(args.moments)
+    if not waiting:  # names of markers are the looks, without Blender's own names
+        scene, _, _ = open_scene(args, reporter)
+        named = [(m.frame, m.name) for m in scene.timeline_markers if not _UNNAMED.fullmatch(m.name)]
+        if not named:
+            remedy = "Name markers in the timeline after looks, such as noon, or use --moments."
+            raise schema.VibeError(f"{Path(args.scene).name} has no marker with a look as its name.", remedy)
+        waiting = checks.in_order(sorted(named))
     count = len(waiting)
     found: list[Moment] = []
     rows: list[dict[str, Any]] = []  # for each moment, the report of its vibe, its frame and its image files
@@ -137,16 +144,6 @@ def _run_moments(args: Namespace, reporter: Reporter, engine: Engine) -> None:
         missing += missed
     lines.append(f"Keyframes from frame {found[0].frame} to {found[-1].frame}. {_STRIP} shows the way.")
     reporter.result(lines, any(row["stopped"] for row in rows), missing)
-
-
-def _of_markers(args: Namespace, reporter: Reporter) -> list[tuple[int, str]]:
-    """(frame, name) of the scene's markers, by frame; without markers that have Blender's default names."""
-    scene, _, _ = open_scene(args, reporter)
-    named = [(m.frame, m.name) for m in scene.timeline_markers if not _UNNAMED.fullmatch(m.name)]
-    if not named:
-        remedy = "Name markers in the timeline after looks, such as noon, or use --moments."
-        raise schema.VibeError(f"{Path(args.scene).name} has no marker with a look as its name.", remedy)
-    return checks.in_order(sorted(named))
 
 
 def _write_moments(args: Namespace, reporter: Reporter, out: Outputs, found: list[Moment]) -> list[str]:

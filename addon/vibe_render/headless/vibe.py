@@ -225,8 +225,7 @@ class HeadlessVibe(Driver):
         """
         if not result.shots:
             return result.values
-        siblings = self._shots.siblings(number)
-        values = {key: value for i in siblings for key, value in result.shots[i].items()}
+        values = {key: value for i in self._shots.siblings(number) for key, value in result.shots[i].items()}
         if not self._args.grade_each:
             return values
         instances = self._shots.jobs[number].instances

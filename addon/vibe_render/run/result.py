@@ -33,8 +33,7 @@ def apply(
     skipped = bindings.write(scene, engine_result.values, subject, pivot)
     written = {key: value for key, value in engine_result.values.items() if key not in skipped}
     goals = engine_result.report.get("goals") or {}
-    records = engine_result.report.get("parameters", {})
-    reasons = {key: record.get("reason", "") for key, record in records.items()}
+    reasons = {key: row.get("reason", "") for key, row in engine_result.report.get("parameters", {}).items()}
     change = change or Change(Steps(), title=prompt, first=True)
     steps = change.steps
     steps.pivot = list(pivot)
