@@ -98,8 +98,7 @@ def account(plan: BatchPlan, out: Path, workers: int) -> str:
     each = mean(seconds or map(guess, to_do))
     basis = f"as the {len(seconds)} looked at took" if seconds else "a guess, until jobs have been measured"
     where = f"with {workers} worker{'s' * (workers != 1)}" if workers else "divided by the cluster's workers"
-    total = each * len(to_do) / max(workers, 1)
-    lines.append(f"About {_clock(each)} a job ({basis}): {_clock(total)} {where}.")
+    lines.append(f"About {_clock(each)} a job ({basis}): {_clock(each * len(to_do) / max(workers, 1))} {where}.")
     return "\n".join(lines)
 
 

@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command `vibe`: for each command its summary, its options, and the function that carries it out.
+"""The command `vibe`: for each command its summary, its options, and the function that carries it out."""
 
-Everything heavy is imported inside the functions, after the arguments have been found good.
-"""
-
+# Everything heavy is imported inside the functions, after the arguments have been found good.
 import argparse
 import sys
 from collections.abc import Callable, Sequence

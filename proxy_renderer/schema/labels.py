@@ -50,8 +50,7 @@ def title(key: str) -> str:
 
 def titles(keys: list[str], most: int = 3) -> str:
     """Names for a note, not too many: "Key light: Power, Key light: Color and 2 more"."""
-    shown = ", ".join(map(title, keys[:most]))
-    return shown + (f" and {len(keys) - most} more" if len(keys) > most else "")
+    return ", ".join(map(title, keys[:most])) + (f" and {len(keys) - most} more" if len(keys) > most else "")
 
 
 def text(key: str, values: Values) -> str:

@@ -1,12 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Radiometry: how bright Blender's lights make a white diffuse surface that faces them.
-
-Checked against Cycles renders by blender_tests/scene/test_key_light.py.
-"""
+"""Radiometry: how bright Blender's lights make a white diffuse surface that faces them."""
 
 import math
 
-_UNIT_ENERGY = {
+_UNIT_ENERGY = {  # checked against Cycles renders by blender_tests/scene/test_key_light.py
     "POINT": 4 * math.pi**2,
     "SPOT": 4 * math.pi**2,  # a spot is a point with a mask: as bright inside the cone
     "AREA": math.pi**2,

@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Opens the scenes that the command line names and saves them elsewhere; lists the shots of a vibe, which share a look.
-
-Where Blender is a Python module, fluid simulations abort it or write caches next to the scene. There they are switched
-off as long as a file is open.
-"""
+"""Opens the scenes that the command line names and saves them elsewhere; lists the shots of a vibe, which share a look."""
 
 import argparse
 from collections.abc import Callable, Iterator
@@ -25,8 +21,9 @@ from ..scene.steps import Change
 from ..scene.subject import SubjectChoice
 from .arguments import Reporter
 
+# Where Blender is a Python module, fluid simulations abort it or write caches next to the scene. There they are switched
+# off as long as a file is open: object, modifier, shown in viewport, shown in renders.
 _fluids: list[tuple[str, str, bool, bool]] = []
-"""Fluid modifiers of the open file that are switched off: object, modifier, shown in viewport, shown in renders."""
 
 
 def open_scene(args: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.Scene, SubjectChoice, bool]:

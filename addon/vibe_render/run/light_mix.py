@@ -101,8 +101,7 @@ def _channels(scene: Scene, layers: Sequence[LightLayer]) -> list[MixChannel]:
             and parts[2].removeprefix(_BACKDROP) in (*_POWERS, *_COLORS)
         }
         names = tuple(m.name for m in layer.members if isinstance(m, bpy.types.Object))
-        has_light = any(map(light_groups.is_light, layer.members))
-        icon = "WORLD" if has_world else "LIGHT" if has_light else "MATERIAL"
+        icon = "WORLD" if has_world else "LIGHT" if any(map(light_groups.is_light, layer.members)) else "MATERIAL"
         channels.append(MixChannel(layer.name, layer.title, icon, names, has_world, values))
     return channels
 

@@ -217,6 +217,5 @@ class WordReadings:
 
 def _settings(scene: bpy.types.Scene) -> tuple[Any, ...]:
     """The scene's own settings that a sketch of it depends on."""
-    chosen = scene.vibe.subject == "SELECTED"
-    selected = tuple(o.name for o in scene.objects if o.select_get()) if chosen else ()
+    selected = tuple(o.name for o in scene.objects if o.select_get()) if scene.vibe.subject == "SELECTED" else ()
     return scene.session_uid, *scene_settings(scene), selected
