@@ -8,9 +8,9 @@ import os
 import sys
 from pathlib import Path
 
-from proxy_renderer.batch import schedule
+from proxy_renderer.batch import command, pools
 from proxy_renderer.batch.manifest import BatchPlan, Limits, SceneGroup
-from proxy_renderer.batch.schedule import LocalPool
+from proxy_renderer.batch.pools import LocalPool
 from proxy_renderer.batch.store import Sheet, Store
 from proxy_renderer.batch.worker import Setup, Worker
 from proxy_renderer.schema import VibeError
@@ -32,10 +32,8 @@ def local(store, setup, workers=1):
 
 def on_cluster(address):
     """Workers on a Ray cluster, which is looked at more often than people need."""
-    from proxy_renderer.batch import cluster
-
-    cluster._LOOK = 0.3
-    return lambda store, setup, workers: cluster.cluster_pool(address, store, setup)
+    pools._LOOK = 0.3
+    return lambda store, setup, workers: pools.RayPool(address, store, setup)
 
 
 def carry_out(folder, plan, limits=None, workers=1, pool_of=local):
@@ -44,11 +42,11 @@ def carry_out(folder, plan, limits=None, workers=1, pool_of=local):
     with Store(folder) as store:
         pool = pool_of(store, Setup(limits, command=COMMAND), workers)
         try:
-            schedule.run(plan, store, pool, limits, lambda what, job, row: told.append((what, job.prompt)))
+            command.carry_out(plan, store, pool, limits, lambda what, job, row: told.append((what, job.prompt)))
         finally:
             pool.close()
         Sheet("test", plan, store).write()
-        return told, list(store.rows(plan))
+        return told, list(map(store.row, plan))
 
 
 def contents(folder):

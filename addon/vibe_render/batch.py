@@ -26,12 +26,13 @@ if not __package__:
 
 from vibe_render.core import files
 from vibe_render.core.schema_import import atomic, errors
-from vibe_render.headless.arguments import Reporter, arguments_of_process, parse
+from vibe_render.headless.arguments import Reporter, parse
 
 
 def main() -> int:
     """Runs the command line; returns the exit code."""
-    arguments = arguments_of_process()
+    # Blender runs this file with the arguments after "--".
+    arguments = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
     reporter = Reporter(events="--events" in arguments)
     try:
         given = parse(arguments)

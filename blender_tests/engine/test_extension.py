@@ -126,7 +126,7 @@ def test_blender_refuses_a_bad_manifest(tmp_path):
     manifest = package / "blender_manifest.toml"
     manifest.write_text(manifest.read_text().replace('name = "Vibe Render"', 'name = ""'))
     with pytest.raises(VibeError, match="refused to validate"):
-        extension._ask(extension._blender_tool(), "validate", str(package))
+        extension._ask("validate", str(package))
 
 
 def test_unwritable_folder_is_one_clear_line(tmp_path):

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
-from vibe_render.run import word_readings as session_readings
+from vibe_render.run import live as session_readings
 from vibe_render.run.state import addon_state
 from vibe_render.ui import live as live_ui
 from vibe_render.ui import words as words_ui

@@ -243,7 +243,7 @@ def test_anchors_are_announced_and_leave_the_scene_as_it_was_meanwhile(warm):
     assert changed == {}
     to_the_end(running)
     assert running.prediction_error >= 0.0
-    assert running.anchor_notes == []
+    assert running.report["anchored"]["notes"] == []
 
 
 def test_cancel_between_anchors_leaves_a_vibe_as_it_was(warm):
@@ -280,7 +280,7 @@ def test_a_blender_that_cannot_render_goes_on_without(warm, monkeypatch):
     to_the_end(running)
     assert warm.vibe.changes
     assert running.prediction_error is None
-    assert "no memory for this" in running.anchor_notes[0]
+    assert "no memory for this" in running.report["anchored"]["notes"][0]
 
 
 def test_cancel_leaves_the_scene_as_it_was_and_the_engine_warm(warm, engine):

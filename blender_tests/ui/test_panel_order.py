@@ -68,7 +68,7 @@ def test_the_decision_comes_at_once_below_the_images(engineless, tmp_path, monke
         Image.new("RGB", (32, 18)).save(path)
     facts = {"scene": engineless.name, "report": report, "variants": [], "prediction_error": 0.5}
     session = SimpleNamespace(
-        **images, **facts, anchor_notes=[], warnings=[], discard=lambda: None, cancel=lambda: None,
+        **images, **facts, warnings=[], discard=lambda: None, cancel=lambda: None,
         sequence=(CheckedFrame(21, ["red"]),), checking=False,
     )  # fmt: skip
     monkeypatch.setattr(addon_state, "session", session)

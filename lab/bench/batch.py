@@ -17,9 +17,9 @@ from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 
-from proxy_renderer.batch import manifest, schedule
+from proxy_renderer.batch import command, manifest
 from proxy_renderer.batch.manifest import BatchPlan, Job, Limits, SceneGroup
-from proxy_renderer.batch.schedule import LocalPool, local_pool
+from proxy_renderer.batch.pools import LocalPool, local_pool
 from proxy_renderer.batch.store import DONE, JobRow, Sheet, Store, head, read_json, tidy, write_json
 from proxy_renderer.batch.worker import Setup, Worker
 from proxy_renderer.schema import VibeError
@@ -140,7 +140,7 @@ def _simulated(count: int) -> JobRow:
 
     def carry_out(store: Store) -> float:
         first, pool = time.monotonic(), LocalPool(store.jobs, [_Simulated(Setup()) for _ in range(_HANDS)])
-        schedule.run(plan, store, pool, Limits(free_gb=0.1), tell)
+        command.carry_out(plan, store, pool, Limits(free_gb=0.1), tell)
         pool.close()
         return round(time.monotonic() - first, 3)
 
@@ -171,10 +171,10 @@ def _real(out: Path, jobs: int, workers: int) -> JobRow:
     with Store(folder / "out") as store:
         pool = local_pool(store.jobs, Setup(limits), workers)
         try:
-            schedule.run(plan, store, pool, limits, lambda what, job, row: ended.append((what, time.monotonic())))
+            command.carry_out(plan, store, pool, limits, lambda what, job, row: ended.append((what, time.monotonic())))
         finally:
             pool.close()
-        rows = [row for row in store.rows(plan) if row["status"] == "done"]
+        rows = [row for row in map(store.row, plan) if row["status"] == "done"]
         if len(rows) < len(plan):
             raise VibeError(f"{len(plan) - len(rows)} of {len(plan)} jobs have failed.", f"See {store.jobs}.")
         laps = [(read_json(store.folder / row["folder"] / "report.json") or {})["timings"]["total"] for row in rows]

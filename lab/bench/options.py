@@ -7,8 +7,7 @@ import argparse
 from collections.abc import Callable
 
 from lab.methods import METHODS
-from proxy_renderer.schema.options import command_line
-from proxy_renderer.schema.options.table import named
+from proxy_renderer.schema.options.table import add_option, named
 
 HALVES = ("development", "held-out", "all")
 """Of a corpus of scenes: where faults may be looked for, where not, and both."""
@@ -194,7 +193,7 @@ def _like(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--words", action="store_true", help="vibe in words as well where a look is recovered, for the time"
     )
-    command_line.add_option(sub, named("effort"))
+    add_option(sub, named("effort"))
     _small_pictures(sub)
 
 

@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """`vibe batch`, from a manifest to a folder of results, and `vibe flamenco install`."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import os
 import re
 import signal
 import time
-from collections import Counter
+from collections import Counter, deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from datetime import timedelta
 from itertools import islice
 from pathlib import Path
@@ -20,18 +19,26 @@ from rich.progress import BarColumn, TimeElapsedColumn, TimeRemainingColumn
 from ..blender.launch import TerminalBar, blender_side, handling
 from ..schema import VibeError
 from ..words.lexicon.user_words import VARIABLE
-from . import manifest, schedule
-from .manifest import BatchPlan, Job, Jobs
-from .schedule import Pool, fitting, local_pool, machine
-from .store import DONE, FAILED, Finals, JobRow, Sheet, Store, read_json, write_bytes
+from . import manifest
+from .manifest import BatchPlan, Job, Limits
+from .pools import Pool, RayPool, fitting, local_pool, machine
+from .store import DONE, FAILED, Finals, JobRow, Sheet, Store, head, read_json, write_bytes
 from .worker import Setup
+
+_LISTED = 12  # most scenes that the plan lists
+_MEASURED = 50  # most finished jobs whose times an estimate uses
+# Seconds on two cores, from `vibe demo` (see "Speed" in the README): the start, a round's anchor of a shot, a step, and
+# the final renders of a shot at 512 pixels and 128 samples.
+_FIXED, _ROUND, _STEP, _RENDERS = 5.0, 3.0, 0.14, 12.0
+_LOSSES = 5  # times that a job's worker may be lost before the job counts as failed
+Tell = Callable[[str, Job, JobRow], None]  # is called with "started", "done", "failed", "again" or "lost"
 
 
 class BatchProgress(TerminalBar):
     """Counts jobs and shows the numbers; the keys of `counts` are "done", "failed" and "running"."""
 
     def __init__(self, total: int, done: int) -> None:
-        self._total, self._before = total, done
+        self._total, self._before, self._ended = total, done, done
         self.counts = {"done": done, "failed": 0, "running": 0}
         jobs, bar = "{task.completed:.0f}/{task.total:.0f} jobs", BarColumn(bar_width=32)
         columns = (jobs, bar, "{task.description}", TimeElapsedColumn(), TimeRemainingColumn())
@@ -42,9 +49,21 @@ class BatchProgress(TerminalBar):
         self.counts["running"] += 1 if what == "started" else -1
         if what in ("done", "failed"):
             self.counts[what] += 1
-        self._bar.update(self._task, description=self._state(), completed=self._ended)
-        if what == "failed" or (what != "started" and self._plain):
-            self.note(self._line(what, job, row))
+            self._ended += 1
+        failed = f", {self.counts['failed']} failed" if self.counts["failed"] else ""
+        self.update(self._task, description=f"{self.counts['running']} running{failed}", completed=self._ended)
+        if what == "started" or not (what == "failed" or self._plain):
+            return
+        if what == "done" and job.frames is not None:
+            how = f"{row['seconds']:.0f} s, {row['frames']} frames"
+        elif what == "done":
+            how = f"{row['seconds']:.0f} s, delta E {row['delta_e']:.1f}"
+        elif what == "lost":
+            how = "its machine is lost; it will be done elsewhere"
+        else:
+            how = f"{row['error']}{' It will be tried again.' if what == 'again' else ''}"
+        who = f"{job.scene} · {job.prompt} · {job.seed}"
+        self.note(f"[{self._ended}/{self._total}] {what:6} {who}: {how}")
 
     def summary(self) -> str:
         """The outcome in one line."""
@@ -56,37 +75,9 @@ class BatchProgress(TerminalBar):
         parts += [f"{waiting} wait"] if waiting else []
         return ", ".join(parts) + "."
 
-    @property
-    def _ended(self) -> int:
-        return self.counts["done"] + self.counts["failed"]
-
-    def _line(self, what: str, job: Job, row: JobRow) -> str:
-        who = f"{job.scene} · {job.prompt} · {job.seed}"
-        if what == "done" and job.frames is not None:
-            how = f"{row['seconds']:.0f} s, {row['frames']} frames"
-        elif what == "done":
-            how = f"{row['seconds']:.0f} s, delta E {row['delta_e']:.1f}"
-        elif what == "lost":
-            how = "its machine is lost; it will be done elsewhere"
-        else:
-            how = f"{row['error']}{' It will be tried again.' if what == 'again' else ''}"
-        return f"[{self._ended}/{self._total}] {what:6} {who}: {how}"
-
-    def _state(self) -> str:
-        failed = f", {self.counts['failed']} failed" if self.counts["failed"] else ""
-        return f"{self.counts['running']} running{failed}"
-
 
 def _clock(seconds: float) -> timedelta:
     return timedelta(seconds=round(seconds))
-
-
-_LISTED = 12
-_MEASURED = 50  # most finished jobs whose times an estimate uses
-
-# Seconds on two cores, from `vibe demo` (see "Speed" in the README): the start, a round's anchor of a shot, a step, and
-# the final renders of a shot at 512 pixels and 128 samples.
-_FIXED, _ROUND, _STEP, _RENDERS = 5.0, 3.0, 0.14, 12.0
 
 
 def account(plan: BatchPlan, out: Path, workers: int) -> str:
@@ -107,8 +98,7 @@ def account(plan: BatchPlan, out: Path, workers: int) -> str:
     each = mean(seconds or map(guess, to_do))
     basis = f"as the {len(seconds)} looked at took" if seconds else "a guess, until jobs have been measured"
     where = f"with {workers} worker{'s' * (workers != 1)}" if workers else "divided by the cluster's workers"
-    total = each * len(to_do) / max(workers, 1)
-    lines.append(f"About {_clock(each)} a job ({basis}): {_clock(total)} {where}.")
+    lines.append(f"About {_clock(each)} a job ({basis}): {_clock(each * len(to_do) / max(workers, 1))} {where}.")
     return "\n".join(lines)
 
 
@@ -118,8 +108,7 @@ def guess(job: Job) -> float:
     rounds, steps = int(options["rounds"]), int(options["steps"])
     pictures = (int(options["size"]) / 512) ** 2 * int(options["samples"]) / 128
     cameras = sum(a.startswith("--cameras=") for a in job.arguments)
-    frames = 1 + options.get("frames", "").count(",")
-    shots = (1 + len(job.more)) * max(cameras, 1) * frames
+    shots = (1 + len(job.more)) * max(cameras, 1) * (1 + options.get("frames", "").count(","))
     # A step draws one of the shots, in turn; anchors and final renders are made of every shot.
     return _FIXED + rounds * (_ROUND * shots + steps * _STEP) + _RENDERS * pictures * shots
 
@@ -132,32 +121,28 @@ def run(a: argparse.Namespace) -> int:
     if a.final and not re.fullmatch(r"\d+(-\d+)?", a.final):
         raise VibeError(f"--final {a.final} names no frames.", "Write them as in --final 1-24.")
     if a.dry_run:
-        workers = a.workers or fitting(machine(), limits) or 1
-        print(account(plan, a.out, 0 if a.ray else workers))
+        print(account(plan, a.out, 0 if a.ray else a.workers or fitting(machine(), limits) or 1))
         return 0
+    setup = Setup(limits, {VARIABLE: os.environ[VARIABLE]} if VARIABLE in os.environ else {})
     with Store(a.out) as store, handling(signal.default_int_handler, signal.SIGTERM):
         store.check_space(limits.free_gb)
-        return _carry_out(a, plan, store, limits)
+        sheet = Sheet(a.manifest.stem, plan, store)
+        sheet.write()
+        print(f"{len(plan)} jobs. Watch {store.folder / 'index.html'}", flush=True)
+        pool: Pool = RayPool(a.ray, store, setup, a.workers) if a.ray else local_pool(store.jobs, setup, a.workers)
+        try:
+            failed = _pass(plan, store, pool, limits, sheet)
+            if a.final is not None:
+                failed += _pass(Finals(plan, store, a.final), store, pool, limits, sheet)
+        finally:
+            with handling(signal.SIG_IGN, signal.SIGINT, signal.SIGTERM):  # nothing interrupts the tidying up
+                pool.close()
+                sheet.write()
+        print(f"Open {store.folder / 'index.html'}", flush=True)
+        return 1 if failed else 0
 
 
-def _carry_out(a: argparse.Namespace, plan: BatchPlan, store: Store, limits: manifest.Limits) -> int:
-    sheet = Sheet(a.manifest.stem, plan, store)
-    sheet.write()
-    print(f"{len(plan)} jobs. Watch {store.folder / 'index.html'}", flush=True)
-    pool = _pool(a, store, limits)
-    try:
-        failed = _pass(plan, store, pool, limits, sheet)
-        if a.final is not None:
-            failed += _pass(Finals(plan, store, a.final), store, pool, limits, sheet)
-    finally:
-        with handling(signal.SIG_IGN, signal.SIGINT, signal.SIGTERM):  # nothing interrupts the tidying up
-            pool.close()
-            sheet.write()
-    print(f"Open {store.folder / 'index.html'}", flush=True)
-    return 1 if failed else 0
-
-
-def _pass(jobs: Jobs, store: Store, pool: Pool, limits: manifest.Limits, sheet: Sheet) -> int:
+def _pass(jobs: Iterable[Job], store: Store, pool: Pool, limits: Limits, sheet: Sheet) -> int:
     """Carries out jobs with their progress shown; returns how many have failed."""
     finished = store.finished(jobs)
     progress = BatchProgress(len(finished), sum(finished))
@@ -169,23 +154,60 @@ def _pass(jobs: Jobs, store: Store, pool: Pool, limits: manifest.Limits, sheet: 
 
     try:
         with progress:
-            schedule.run(jobs, store, pool, limits, tell, finished)
+            carry_out(jobs, store, pool, limits, tell, finished)
     finally:
         progress.note(progress.summary())
     return progress.counts["failed"]
 
 
-def _pool(a: argparse.Namespace, store: Store, limits: manifest.Limits) -> Pool:
-    words = {VARIABLE: os.environ[VARIABLE]} if VARIABLE in os.environ else {}
-    setup = Setup(limits, words)
-    if a.ray:
-        from .cluster import cluster_pool
-
-        return cluster_pool(a.ray, store, setup, a.workers)
-    return local_pool(store.jobs, setup, a.workers)
-
-
-NAME = "vibe-render.js"
+def carry_out(
+    plan: Iterable[Job], store: Store, pool: Pool, limits: Limits, tell: Tell, finished: Sequence[int] | None = None
+) -> None:
+    """Carries out the jobs that are not done. `finished` has for each job 1 if it is done, else 0; None to look it up."""
+    finished = store.finished(plan) if finished is None else finished
+    fresh: Iterator[Job] = (job for job, done in zip(plan, finished, strict=True) if not done)
+    again: deque[Job] = deque()
+    attempts: Counter[str] = Counter()
+    losses: Counter[str] = Counter()
+    out, exhausted = 0, False
+    while True:
+        # Idle workers get a fresh job, or else one that failed.
+        while out < pool.capacity():
+            job = None if exhausted else next(fresh, None)
+            exhausted = job is None
+            job = again.popleft() if job is None and again else job
+            if job is None:
+                break
+            store.check_space(limits.free_gb)
+            pool.submit(job)
+            tell("started", job, {})
+            out += 1
+        if exhausted and not again and not out:
+            return
+        # A job that ended is done, is tried again, or is given up. A lost worker is at first no failure of its job.
+        for job, row in pool.wait(1.0):
+            out -= 1
+            if row is None:
+                losses[job.name] += 1
+                if losses[job.name] <= _LOSSES:
+                    again.append(job)
+                    tell("lost", job, {})
+                    continue
+                error = f"The machine that worked on it was lost {_LOSSES + 1} times."
+                remedy = "Give it more memory: [limits] memory_gb."
+                row = head(job) | {"status": "failed", "error": error, "remedy": remedy}
+            attempts[job.name] += 1
+            row["attempts"] = attempts[job.name]
+            if row["status"] == "done":
+                del attempts[job.name]
+                tell("done", job, row)
+                continue
+            store.fail(job, row)
+            if attempts[job.name] <= limits.retries:
+                again.append(job)
+                tell("again", job, row)
+            else:
+                tell("failed", job, row)
 
 
 def install_job_type(scripts: Path) -> Path:
@@ -196,5 +218,6 @@ def install_job_type(scripts: Path) -> Path:
     scripts.mkdir(exist_ok=True)
     source = Path(__file__).with_name("flamenco.js").read_text("utf-8")
     script = json.dumps(blender_side().as_posix())[1:-1]
-    write_bytes(scripts / NAME, source.replace("{{script}}", script).encode())
-    return scripts / NAME
+    target = scripts / "vibe-render.js"
+    write_bytes(target, source.replace("{{script}}", script).encode())
+    return target

@@ -4,26 +4,28 @@
 A mistake raises VibeError, which names its place in the file. docs/guide/batch.md has an example with all tables.
 """
 
-from __future__ import annotations
-
+import argparse
 import fnmatch
 import glob
 import hashlib
 import json
 import os
 import re
-from collections.abc import Iterator, Sequence
+import tomllib
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from .. import __version__
 from ..inputs import check
-from ..schema import VibeError, schema_hash
+from ..schema import VibeError, frame_numbers, schema_hash
 from ..schema.limits import LARGEST_SEED
+from ..schema.options import checks
+from ..schema.options.table import TABLE, Option, to_arguments
 from ..words.lexicon.user_words import user_file
-from .manifest_options import IN_FILES, OptionReader, TomlSource, texts
 
 
 def digest(path: Path) -> str:
@@ -32,7 +34,111 @@ def digest(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
+IN_FILES = ("like", "goals")  # options that name a file, instead of a prompt or together with one
+_ELSEWHERE = {"seed": "Write seeds = [0, 1] at the top."}
 _KNOWN = ("scenes", "prompts", "seeds", "files", "options", "limits", "scene", "shots")
+_WORDS, _DIGEST = 32, 12  # characters of a prompt, and of the digest, in a folder's name
+_FILES = tuple(f"--{name}=" for name in IN_FILES)
+
+
+class TomlSource:
+    """A TOML file, with its `path` as it was named and its `content`."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        try:
+            self.content: dict[str, Any] = tomllib.loads(path.read_text("utf-8"))
+        except tomllib.TOMLDecodeError as error:
+            raise VibeError(f"{path} is not TOML: {error}.", "Mend that line.") from error
+        except (OSError, UnicodeDecodeError) as error:
+            raise VibeError(f"{path} cannot be read: {error}.", "Save it as UTF-8 text.") from error
+
+    def problem(self, what: str, remedy: str, *place: str) -> VibeError:
+        """An error that names the file and a place in it: keys, outermost first, and a value; the caller raises it."""
+        return VibeError(f"{' > '.join(filter(None, (str(self.path), *place)))}: {what}", remedy)
+
+    @contextmanager
+    def at(self, *place: str) -> Iterator[None]:
+        """Errors inside the block name their place."""
+        try:
+            yield
+        except VibeError as error:
+            raise self.problem(error.message, error.remedy, *place) from error
+
+
+class OptionReader:
+    """Reads the tables of options."""
+
+    def __init__(self, source: TomlSource, base: Path, options: Iterable[Option] = TABLE) -> None:
+        self._source, self._problem, self._base = source, source.problem, base
+        self._rows = {row.name: row for row in options}
+        self._defaults = {row.name: row.command_default for row in self._rows.values() if row.name != "stage"}
+
+    def read(self, table: dict[str, Any], keys: tuple[str, ...], where: str = "") -> dict[str, Any]:
+        """The options in a table of the manifest, checked for type and value; `where` is "scene", "shots" or ""."""
+        # Tables of scenes and of shots allow a few more options than [options] does.
+        rows = {n: row for n, row in self._rows.items() if {"options", where} & set(row.manifest)}
+        options: dict[str, Any] = {}
+        for key, value in table.items():
+            name = key.replace("-", "_")
+            if name not in rows:
+                remedy = _ELSEWHERE.get(name, f"Use {', '.join(sorted(rows))}.")
+                raise self._problem(f"Unknown option {key!r}.", remedy, *keys, key)
+            options[name] = self._value(rows[name], key, value, keys)
+        return options
+
+    def _value(self, row: Option, key: str, value: Any, keys: tuple[str, ...]) -> Any:
+        """A checked value, as a parsed command line holds it."""
+        several = isinstance(row.default, tuple)
+        if several and isinstance(value, str):
+            value = [value]
+        if row.name == "frames" and isinstance(value, list):
+            value = ",".join(map(str, value))
+        if type(value) is not (list if several else type(row.default)) or (several and not texts(value)):
+            shown = {bool: "false", tuple: '["a", "b"]', str: '"text"'}
+            example = "[1, 50, 100]" if row.name == "frames" else shown.get(type(row.default), row.default)
+            remedy = f"Write it as in {row.name} = {example}."
+            raise self._problem(f"{key} cannot be {value!r}.", remedy, *keys, key)
+        if row.choices and value not in row.choices:
+            raise self._problem(f"{key} cannot be {value!r}.", f"Use {', '.join(row.choices)}.", *keys, key)
+        with self._source.at(*keys, key):
+            given = argparse.Namespace(**self._defaults | {row.name: value})
+            checks.numbers(given, self._rows.values())
+            checks.groups(given.groups)
+            checks.locks(given.lock)
+            checks.targets(given.target)
+            checks.traits(given.like_only, given.like or "perhaps in another table")
+            check.device(given.device)
+            frame_numbers(getattr(given, "frames", ""))
+            if given.vocabulary:
+                check.vocabulary(str(self._base / given.vocabulary))
+            if row.name in IN_FILES and isinstance(value, str) and value:
+                path = str(self._base / value)
+                value = str(check.file(path, "picture")) if row.name == "like" else check.goals(path)
+        return value
+
+    def prompt(self, prompt: str, options: dict[str, Any]) -> None:
+        """Raises VibeError for a prompt that `vibe run` would refuse."""
+        checks.prompt(prompt, options.get("like", ""), options.get("goals", ""))
+        if prompt.strip():
+            check.words(prompt, argparse.Namespace(**self._defaults | options))
+
+    def arguments(self, options: dict[str, Any], scenes: list[Path]) -> tuple[str, ...]:
+        """A job's options as the command line of Blender's side, without prompt and seed."""
+        given = argparse.Namespace(**self._defaults | options)
+        checks.numbers(given, self._rows.values())
+        given.groups = checks.groups(given.groups)
+        checks.traits(given.like_only, given.like)
+        check.shots(scenes, given)
+        if scenes[0].suffix.lower() == ".blend":
+            given.stage = ""
+        rows = [row for row in self._rows.values() if row.name not in ("prompt", "seed")]
+        return tuple(to_arguments(given, rows))
+
+
+def texts(given: Any) -> bool:
+    """True for a list of texts that is not empty."""
+    return isinstance(given, list) and bool(given) and all(isinstance(text, str) for text in given)
 
 
 @dataclass(frozen=True)
@@ -40,9 +146,7 @@ class Limits:
     """Cores, memory and time of a job."""
 
     minutes: float = 60.0  # of wall time; a job that takes longer is ended
-    # of Blender and the engine together; a job that uses more is ended. The number of workers is so that each can have
-    # as much
-    memory_gb: float = 6.0
+    memory_gb: float = 6.0  # of Blender and the engine together, for each worker; a job that uses more is ended
     cores: int = 2  # threads of the engine: the same number gives the same values, bit for bit, everywhere
     retries: int = 1  # times that a failed job is tried again
     free_gb: float = 1.0  # of disk space; no job is started below that
@@ -52,8 +156,7 @@ class Limits:
 class SceneGroup:
     """A scene of the manifest, or several that are to share a look."""
 
-    # path of a single scene from the manifest's folder, with forward slashes; of several, their name in the manifest
-    name: str
+    name: str  # path from the manifest's folder, with forward slashes; of several scenes, their name in the manifest
     source: Path  # path of the scene, or of the first
     digest: str  # of the scenes' content, and of all other files that the result depends on
     prompts: tuple[str, ...]  # each is tried with each seed
@@ -62,34 +165,40 @@ class SceneGroup:
     more: tuple[Path, ...] = ()  # paths of the other scenes
 
 
-def load(path: Path, out: Path) -> tuple[BatchPlan, Limits]:
+def load(path: Path, out: Path) -> tuple["BatchPlan", Limits]:
     """Reads and checks a manifest; scenes that patterns match in the results folder are left out."""
     check.file(str(path), "manifest")
     return _Reader(TomlSource(path.expanduser()), out.expanduser().resolve()).manifest()
 
 
-class _Reader:
+class _Reader(OptionReader):
     def __init__(self, source: TomlSource, out: Path) -> None:
-        self._source, self._problem, self._content = source, source.problem, source.content
-        self._base, self._out = source.path.parent.resolve(), out
-        self._options = OptionReader(source, self._base)
+        super().__init__(source, source.path.parent.resolve())
+        self._content, self._out = source.content, out
 
-    def manifest(self) -> tuple[BatchPlan, Limits]:
-        content = self._content
-        for key in content:
+    def manifest(self) -> tuple["BatchPlan", Limits]:
+        for key in self._content:
             if key not in _KNOWN:
                 raise self._problem(f"Unknown key {key!r}.", f"Use {', '.join(_KNOWN)}.", key)
-        limits = self._limits(content.get("limits", {}))
-        common = self._options.read(self._table(content, "options"), ("options",))
-        everything = self._common_digest(content.get("files", []), common.get("vocabulary", ""))
-        groups = [*self._single(common, everything), *self._together(common, everything)]
-        return BatchPlan(groups), limits
+        limits, defaults = self._table("limits"), {f.name: f.default for f in fields(Limits)}
+        for key, value in limits.items():
+            if key not in defaults:
+                raise self._problem(f"Unknown limit {key!r}.", f"Use {', '.join(defaults)}.", "limits", key)
+            whole = isinstance(defaults[key], int)
+            least = 0.01 if key in ("minutes", "cores") else 0.0
+            if type(value) not in ((int,) if whole else (int, float)) or value < least:
+                remedy = f"Write a {'whole number' if whole else 'number'}, as in {key} = {defaults[key]}."
+                raise self._problem(f"{key} cannot be {value!r}.", remedy, "limits", key)
+        common = self.read(self._table("options"), ("options",))
+        everything = self._common_digest(self._content.get("files", []), common.get("vocabulary", ""))
+        plan = BatchPlan([*self._single(common, everything), *self._together(common, everything)])
+        return plan, Limits(**limits)
 
     def _single(self, common: dict[str, Any], everything: str) -> Iterator[SceneGroup]:
         if self._content.get("scenes", []) == [] and "shots" in self._content:
             return
         scenes = dict(self._scenes(self._content.get("scenes"), "scenes"))
-        named = self._table(self._content, "scene")
+        named = self._table("scene")
         for pattern in named:
             if not fnmatch.filter(scenes, pattern):
                 remedy = f"Scenes are named as in {next(iter(scenes))}."
@@ -108,12 +217,11 @@ class _Reader:
             keys = ("shots", str(number))
             name = table.get("name") if isinstance(table, dict) else None
             if not isinstance(name, str) or not name.strip() or name in names:
-                problem = "Shots that share a look need a name of their own."
-                raise self._problem(problem, 'Write name = "kitchen".', *keys)
+                remedy = 'Write name = "kitchen".'
+                raise self._problem("Shots that share a look need a name of their own.", remedy, *keys)
             names.add(name)
             scenes = [place for _, place in self._scenes(table.get("scenes"), *keys, "scenes")]
-            rest = {k: v for k, v in table.items() if k not in ("name", "scenes")}
-            own = self._own(rest, common, *keys)
+            own = self._own({k: v for k, v in table.items() if k not in ("name", "scenes")}, common, *keys)
             with self._source.at(*keys):
                 group = self._group(name, scenes, common, own, everything)
             yield group
@@ -122,16 +230,15 @@ class _Reader:
         self, name: str, scenes: list[Path], common: dict[str, Any], own: dict[str, Any], everything: str
     ) -> SceneGroup:
         options = common | own
-        arguments = self._options.arguments(options, scenes)
+        arguments = self.arguments(options, scenes)
         prompts = own.get("prompts") or self._prompts(self._content.get("prompts"), options, "prompts")
         seeds = own.get("seeds") or self._seeds(self._content.get("seeds", [0]), "seeds")
         read = [Path(options[name]) for name in IN_FILES if options.get(name)]
-        content = " ".join([*map(digest, [*scenes, *read]), everything])
-        mark = hashlib.sha256(content.encode()).hexdigest()
+        mark = hashlib.sha256(" ".join([*map(digest, [*scenes, *read]), everything]).encode()).hexdigest()
         return SceneGroup(name, scenes[0], mark, prompts, seeds, arguments, tuple(scenes[1:]))
 
-    def _table(self, content: dict[str, Any], key: str) -> dict[str, Any]:
-        table = content.get(key, {})
+    def _table(self, key: str) -> dict[str, Any]:
+        table = self._content.get(key, {})
         if not isinstance(table, dict):
             raise self._problem(f"{key!r} is not a table.", f"Write [{key}] above its rows.", key)
         return table
@@ -141,29 +248,26 @@ class _Reader:
         if given is None and any(options.get(name) for name in IN_FILES):
             return ("",)
         if isinstance(given, str):
-            return self._prompts_of_file(self._named(given, "list of prompts", *keys), options)
+            with self._source.at(*keys):
+                path = check.file(str(self._base / given), "list of prompts")
+            prompts: dict[str, None] = {}
+            for number, line in enumerate(map(str.strip, path.read_text("utf-8").splitlines()), 1):
+                if line and not line.startswith("#"):
+                    prompts[line] = None
+                    try:
+                        self.prompt(line, options)
+                    except VibeError as error:
+                        raise VibeError(f"{path}, line {number}: {error.message}", error.remedy) from error
+            if not prompts:
+                raise VibeError(f"{path} holds no prompt.", "Write one on each line.")
+            return tuple(prompts)
         if not texts(given):
             remedy = 'Write prompts = ["noir", "misty"], or prompts = "prompts.txt".'
             raise self._problem("There are no prompts.", remedy, *keys)
         for prompt in given:
             with self._source.at(*keys, prompt):
-                self._options.prompt(prompt, options)
+                self.prompt(prompt, options)
         return tuple(dict.fromkeys(given))
-
-    def _prompts_of_file(self, path: Path, options: dict[str, Any]) -> tuple[str, ...]:
-        prompts: dict[str, None] = {}
-        for number, line in enumerate(path.read_text("utf-8").splitlines(), 1):
-            prompt = line.strip()
-            if not prompt or prompt.startswith("#"):
-                continue
-            try:
-                self._options.prompt(prompt, options)
-            except VibeError as error:
-                raise VibeError(f"{path}, line {number}: {error.message}", error.remedy) from error
-            prompts[prompt] = None
-        if not prompts:
-            raise VibeError(f"{path} holds no prompt.", "Write one on each line.")
-        return tuple(prompts)
 
     def _seeds(self, given: Any, *keys: str) -> tuple[int, ...]:
         seeds = given if isinstance(given, list) else ()
@@ -178,24 +282,12 @@ class _Reader:
         rest = {k: v for k, v in table.items() if k not in ("prompts", "seeds")}
         if "vocabulary" in rest:
             raise self._problem("A scene has no vocabulary of its own.", "Put it under [options].", *keys)
-        own = self._options.read(rest, keys, keys[0])
+        own = self.read(rest, keys, keys[0])
         if "prompts" in table:
             own["prompts"] = self._prompts(table["prompts"], options | own, *keys, "prompts")
         if "seeds" in table:
             own["seeds"] = self._seeds(table["seeds"], *keys, "seeds")
         return own
-
-    def _limits(self, table: Any) -> Limits:
-        defaults = {f.name: f.default for f in fields(Limits)}
-        for key, value in table.items() if isinstance(table, dict) else ():
-            if key not in defaults:
-                raise self._problem(f"Unknown limit {key!r}.", f"Use {', '.join(defaults)}.", "limits", key)
-            whole = isinstance(defaults[key], int)
-            least = 0.01 if key in ("minutes", "cores") else 0.0
-            if type(value) not in ((int,) if whole else (int, float)) or value < least:
-                remedy = f"Write a {'whole number' if whole else 'number'}, as in {key} = {defaults[key]}."
-                raise self._problem(f"{key} cannot be {value!r}.", remedy, "limits", key)
-        return Limits(**self._table({"limits": table}, "limits"))
 
     def _scenes(self, patterns: Any, *keys: str) -> Iterator[tuple[str, Path]]:
         """The scenes that patterns match, in the order of the manifest: for each, its name in the results and its path."""
@@ -226,22 +318,11 @@ class _Reader:
                 remedy = f"It is looked for from {self._base}."
                 raise self._problem(f"No file matches {pattern!r}.", remedy, "files", pattern)
         if vocabulary:
-            self._named(vocabulary, "vocabulary", "options", "vocabulary")
+            with self._source.at("options", "vocabulary"):
+                check.file(str(self._base / vocabulary), "vocabulary")
         words = user_file()
         lines = [f"{p} {digest(self._base / p)}" for p in linked] + ([digest(words)] if words else [])
         return hashlib.sha256("\n".join(lines).encode()).hexdigest()
-
-    def _named(self, name: str, what: str, *keys: str) -> Path:
-        """The path of a file that the manifest names. Raises VibeError if it cannot be read."""
-        with self._source.at(*keys):
-            return check.file(str(self._base / name), what)
-
-
-# The jobs of a batch: scenes × prompts × seeds, made one at a time
-
-
-_WORDS, _DIGEST = 32, 12  # characters of a prompt, and of the digest, in a folder's name
-_FILES = tuple(f"--{name}=" for name in IN_FILES)
 
 
 @dataclass(frozen=True)
@@ -265,17 +346,8 @@ class Job:
     seed: int  # of every random choice
     arguments: tuple[str, ...]  # options for Blender's side, with prompt and seed
     more: tuple[Path, ...] = ()  # paths of the other scenes that are to have the same look
-    # None for a vibe; otherwise the final frames that the job renders of its result: "1-24", "" for the scene's own
-    frames: str | None = None
+    frames: str | None = None  # final frames of its result to render: "1-24", "" for the scene's own; None for a vibe
     takes: tuple[Take, ...] = ()  # these frames, for every .blend and camera of the result; empty for a vibe
-
-
-class Jobs(Protocol):
-    """Jobs that every iteration creates anew, one at a time."""
-
-    def __len__(self) -> int: ...
-
-    def __iter__(self) -> Iterator[Job]: ...
 
 
 class BatchPlan:

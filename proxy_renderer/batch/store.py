@@ -9,8 +9,6 @@ DIR/jobs/NAME/final.json      how the rendering of its final frames went; they a
 DIR/index.html, results.csv, results.jsonl
 """
 
-from __future__ import annotations
-
 import csv
 import html
 import json
@@ -21,23 +19,34 @@ import shutil
 import time
 import uuid
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, Self
 
 from filelock import FileLock, Timeout
 
 from ..schema import VibeError, atomic
 from ..schema.options import checks
-from .manifest import BatchPlan, Job, Jobs, Take
+from .manifest import BatchPlan, Job, Take
 
 JobRow = dict[str, Any]
 DONE, FAILED, LOG = "done.json", "failed.json", "log.txt"
 FINAL, FRAMES = "final.json", "frames"
 WORDS = ("visible", "already", "unmeasured", "missed")  # lists of a row: words by state, as in `verdicts`
-# its token identifies the results folder, so that a machine can check that it sees the same one
-TOKEN = "batch.json"
+TOKEN = "batch.json"  # its token identifies the results folder, so that a machine can check that it sees the same one
+FIELDS = (
+    "name", "scene", "prompt", "seed", "status", *WORDS, "delta_e",
+    "seconds", "seconds_loop", "seconds_cycles", "memory_gb", "attempts", "frames", "shots", "variants", "final_error", "error", "remedy", "folder",
+)  # fmt: skip
+FILES = {
+    "before": "before.png", "after": "after.png", "compare": "compare.png",
+    "blend": "vibed.blend", "preset": "preset.json", "report": "report.json",
+}  # fmt: skip
+_PAGE = Path(__file__).with_name("page")
+_SCRIPTS = ("rows.js", "card.js", "large.js", "keys.js")
+_SHARE = 0.05  # greatest share of the time that is spent on rewriting the sheet while jobs run
+_SOONEST = 5.0  # seconds
 
 
 class Store:
@@ -49,7 +58,7 @@ class Store:
         self._lock = FileLock(self.folder / ".lock", timeout=0)
         self.token = ""
 
-    def __enter__(self) -> Store:
+    def __enter__(self) -> Self:
         try:
             self._lock.acquire()
         except Timeout as error:
@@ -57,10 +66,8 @@ class Store:
             problem = f"Another batch works in {self.folder} ({owner.get('holder', 'unknown')})."
             raise VibeError(problem, "Wait for it, end it, or choose another --out.") from error
         self.jobs.mkdir(exist_ok=True)
-        before = read_json(self.folder / TOKEN) or {}
-        self.token = before.get("token") or uuid.uuid4().hex
-        holder = f"process {os.getpid()} on {platform.node()}"
-        write_json(self.folder / TOKEN, {"token": self.token, "holder": holder})
+        self.token = (read_json(self.folder / TOKEN) or {}).get("token") or uuid.uuid4().hex
+        write_json(self.folder / TOKEN, {"token": self.token, "holder": f"process {os.getpid()} on {platform.node()}"})
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -88,10 +95,6 @@ class Store:
                 final = read_json(self.jobs / job.name / FINAL) or {}
                 return row | {key: final[key] for key in ("frames", "final_error") if key in final}
         return head(job) | {"status": "waiting"}
-
-    def rows(self, plan: Iterable[Job]) -> Iterator[JobRow]:
-        """The rows of all jobs, read as they are needed."""
-        return map(self.row, plan)
 
     def fail(self, job: Job, row: JobRow) -> None:
         """Records a failed attempt in the job's folder."""
@@ -139,17 +142,20 @@ def write_json(path: Path, content: Any) -> None:
 
 def write_bytes(path: Path, content: bytes) -> None:
     """Writes a file, all at once or not at all. Raises VibeError if it cannot be written."""
+    with _replacing(path) as part:
+        part.write_bytes(content)
+
+
+@contextmanager
+def _replacing(path: Path) -> Iterator[Path]:
+    """As `atomic.replacing`, but raises VibeError if the file cannot be written."""
     try:
-        atomic.write_bytes(path, content)
+        with atomic.replacing(path) as part:
+            yield part
     except OSError as error:
-        raise unwritable(path, error) from error
-
-
-def unwritable(path: Path, error: OSError) -> VibeError:
-    """The error for a file that cannot be written; the caller raises it."""
-    reason = "no space is left" if atomic.is_full(error) else error.strerror or type(error).__name__
-    remedy = "Make room there; then run the same command again: it continues."
-    return VibeError(f"{path} cannot be written: {reason}.", remedy)
+        reason = "no space is left" if atomic.is_full(error) else error.strerror or type(error).__name__
+        remedy = "Make room there; then run the same command again: it continues."
+        raise VibeError(f"{path} cannot be written: {reason}.", remedy) from error
 
 
 def tidy(folder: Path) -> None:
@@ -163,12 +169,9 @@ def tidy(folder: Path) -> None:
 class Finals:
     """A job for the final frames of every finished result; frames stay when such a job is tried again."""
 
-    def __init__(self, plan: Jobs, store: Store, frames: str) -> None:
+    def __init__(self, plan: Iterable[Job], store: Store, frames: str) -> None:
         # frames: "1-24"; or "" for those that the look was made for, else the scene's own
         self._plan, self._store, self._frames = plan, store, frames
-
-    def __len__(self) -> int:
-        return sum(self._store.finished(self._plan))
 
     def __iter__(self) -> Iterator[Job]:
         for job in filter(self._store.done, self._plan):
@@ -200,22 +203,7 @@ def takes(shots: list[dict[str, Any]], blends: list[str], frames: str) -> tuple[
 
 
 def _label(*parts: str) -> str:
-    """Scene and camera as the name of a folder."""
     return "-".join(re.sub(r"[^\w.-]+", "_", part) for part in parts if part)
-
-
-FIELDS = (
-    "name", "scene", "prompt", "seed", "status", *WORDS, "delta_e",
-    "seconds", "seconds_loop", "seconds_cycles", "memory_gb", "attempts", "frames", "shots", "variants", "final_error", "error", "remedy", "folder",
-)  # fmt: skip
-FILES = {
-    "before": "before.png", "after": "after.png", "compare": "compare.png",
-    "blend": "vibed.blend", "preset": "preset.json", "report": "report.json",
-}  # fmt: skip
-_PAGE = Path(__file__).with_name("page")
-_SCRIPTS = ("rows.js", "card.js", "large.js", "keys.js")
-_SHARE = 0.05  # greatest share of the time that is spent on rewriting the sheet while jobs run
-_SOONEST = 5.0  # seconds
 
 
 class Sheet:
@@ -233,17 +221,19 @@ class Sheet:
     def write(self) -> None:
         """Writes everything anew, a row at a time. Raises VibeError if it cannot be written."""
         start = time.monotonic()
-        folder = self._store.folder
-        before, after = _page(self._title)
-        with (
-            _file(folder / "index.html") as page,
-            _file(folder / "results.jsonl") as lines,
-            _file(folder / "results.csv") as cells,
-        ):
+        # Style and scripts are inside the page: browsers load hardly any other file for one that is opened from disk.
+        texts = {part.name: part.read_text("utf-8") for part in _PAGE.iterdir() if part.is_file()}
+        script = "\n".join(texts[name] for name in _SCRIPTS)
+        text = texts["sheet.html"].replace("{{style}}", texts["sheet.css"]).replace("{{script}}", script)
+        before, after = text.replace("{{title}}", html.escape(self._title)).split("{{rows}}")
+        with ExitStack() as stack:
+            paths = [self._store.folder / name for name in ("index.html", "results.jsonl", "results.csv")]
+            parts = [stack.enter_context(_replacing(path)) for path in paths]
+            page, lines, cells = (stack.enter_context(p.open("w", encoding="utf-8", newline="")) for p in parts)
             table = csv.DictWriter(cells, [*FIELDS, *FILES], restval="", extrasaction="ignore")
             table.writeheader()
             page.write(before)
-            for row in self._store.rows(self._plan):
+            for row in map(self._store.row, self._plan):
                 full = complete(row)
                 table.writerow(full | {key: " | ".join(full[key] or []) for key in (*WORDS, "shots")})
                 lines.write(json.dumps(full, ensure_ascii=False) + "\n")
@@ -261,24 +251,3 @@ def complete(row: JobRow) -> JobRow:
     done = row["status"] == "done"
     files = {kind: f"{row['folder']}/{name}" if done else None for kind, name in FILES.items()}
     return {key: row.get(key) for key in FIELDS} | files
-
-
-def _page(title: str) -> tuple[str, str]:
-    """The text of the page before its rows, and after them.
-
-    Style and scripts are inside, because browsers load hardly any other file for a page that is opened from disk.
-    """
-    texts = {part.name: part.read_text("utf-8") for part in _PAGE.iterdir() if part.is_file()}
-    script = "\n".join(texts[name] for name in _SCRIPTS)
-    page = texts["sheet.html"].replace("{{style}}", texts["sheet.css"]).replace("{{script}}", script)
-    before, after = page.replace("{{title}}", html.escape(title)).split("{{rows}}")
-    return before, after
-
-
-@contextmanager
-def _file(path: Path) -> Iterator[TextIO]:
-    try:
-        with atomic.replacing(path) as part, part.open("w", encoding="utf-8", newline="") as file:
-            yield file
-    except OSError as error:
-        raise unwritable(path, error) from error

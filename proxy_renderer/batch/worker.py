@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A warm Blender that carries out jobs, and the files of a finished job for the sheet."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json
@@ -13,7 +11,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -28,6 +26,7 @@ from .store import DONE, FINAL, FRAMES, LOG, WORDS, JobRow, head, read_json, tid
 _THUMB = 480  # pixels, the longer side
 _PICTURES, _UNDERSTOOD = ("before", "after"), ("ignored", "guesses", "notes")
 _ENGINE, _CYCLES = "engine: loop", ("render before", "render after")
+_TICK = 0.5  # seconds between two checks of a job's time and memory
 
 
 def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
@@ -36,20 +35,24 @@ def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
     if report is None:
         raise VibeError(f"{folder.name} holds no report.", "See the job's log.")
     shots = report.get("shots", [])
-    for name in [Path(shot[kind]).stem for shot in shots for kind in ("before", "after")] or _PICTURES:
-        _thumb(folder, name)
+    # small images for the sheet
+    for name in [Path(shot[kind]).stem for shot in shots for kind in _PICTURES] or _PICTURES:
+        content = io.BytesIO()
+        try:
+            with Image.open(folder / f"{name}.png") as picture:
+                flat = picture.convert("RGB")
+        except OSError as error:
+            raise VibeError(f"{name}.png cannot be read: {error}.", "See the job's log.") from error
+        flat.thumbnail((_THUMB, _THUMB), Image.Resampling.LANCZOS)
+        flat.save(content, "JPEG", quality=88)
+        write_bytes(folder / f"{name}.jpg", content.getvalue())
     write_bytes(folder / "details.js", _details(job, report))
     laps = report.get("timings", {})
     words = [row for row in report["verdicts"] if row["word"]]  # verdicts on the first shot
-    row = head(job) | {
-        "status": "done",
-        **{state: [row["word"] for row in words if row["state"] == state] for state in WORDS},
-        "delta_e": report["delta_e"],
-        "seconds": round(seconds, 2),
-        "seconds_loop": laps.get(_ENGINE, 0.0),
-        "seconds_cycles": round(sum(laps.get(name, 0.0) for name in _CYCLES), 2),
-        "memory_gb": memory_gb,
-    }
+    row = head(job) | {"status": "done"}
+    row |= {state: [row["word"] for row in words if row["state"] == state] for state in WORDS}
+    row |= {"delta_e": report["delta_e"], "seconds": round(seconds, 2), "seconds_loop": laps.get(_ENGINE, 0.0)}
+    row |= {"seconds_cycles": round(sum(laps.get(name, 0.0) for name in _CYCLES), 2), "memory_gb": memory_gb}
     row |= {"shots": [shot["name"] for shot in shots]} if shots else {}
     row |= {"variants": len(report["variants"])} if report.get("variants") else {}
     write_json(folder / DONE, row)
@@ -65,23 +68,16 @@ def leave_frames(job: Job, folder: Path, memory_gb: float, seconds: float) -> Jo
     return row
 
 
-def _thumb(folder: Path, name: str) -> None:
-    content = io.BytesIO()
-    try:
-        with Image.open(folder / f"{name}.png") as picture:
-            flat = picture.convert("RGB")
-    except OSError as error:
-        raise VibeError(f"{name}.png cannot be read: {error}.", "See the job's log.") from error
-    flat.thumbnail((_THUMB, _THUMB), Image.Resampling.LANCZOS)
-    flat.save(content, "JPEG", quality=88)
-    write_bytes(folder / f"{name}.jpg", content.getvalue())
-
-
 def _details(job: Job, report: dict[str, Any]) -> bytes:
     """The details of a job for the sheet: a script, because pages from disk may load nothing else."""
     parameters = report.get("parameters", {})
-    largest_first = sorted(parameters.items(), key=lambda item: -item[1].get("moved", 0.0))
-    rows = [row for key, change in largest_first if (row := _changed(key, change))]
+    rows = []  # label, old value, new value and reason of each parameter whose values differ as text
+    for key, change in sorted(parameters.items(), key=lambda item: -item[1].get("moved", 0.0)):
+        before, after = (tuple(v) if isinstance(v, list) else (v,) for v in (change["before"], change["after"]))
+        if labels.same(key, before, after):
+            continue
+        shown = (labels.bare(key, before), labels.text(key, after)) if len(after) == 1 else (before, after)
+        rows.append([labels.title(key), *shown, change["reason"]])
     understood = report.get("understood", {})
     content = {
         "parameters": rows,
@@ -90,19 +86,6 @@ def _details(job: Job, report: dict[str, Any]) -> bytes:
         "understood": {name: understood[name] for name in _UNDERSTOOD if understood.get(name)},
     }
     return f"vibeDetails({json.dumps(job.name)}, {json.dumps(content, ensure_ascii=False)});\n".encode()
-
-
-def _changed(key: str, change: dict[str, Any]) -> list[Any] | None:
-    """A parameter's label, old value, new value and reason, to show; None if both values look the same as text."""
-    before, after = (tuple(v) if isinstance(v, list) else (v,) for v in (change["before"], change["after"]))
-    if labels.same(key, before, after):
-        return None
-    if len(after) == 1:
-        return [labels.title(key), labels.bare(key, before), labels.text(key, after), change["reason"]]
-    return [labels.title(key), before, after, change["reason"]]
-
-
-_TICK = 0.5  # seconds between two checks of a job's time and memory
 
 
 @dataclass(frozen=True)
@@ -123,34 +106,39 @@ class Worker:
 
     def __init__(self, setup: Setup, cores: Sequence[int] = ()) -> None:
         self._setup, self._cores = setup, list(cores)
+        self._start, self._next_check, self._peak_gb = 0.0, 0.0, 0.0  # of the job; seconds and gigabytes
         self._process: subprocess.Popen[str] | None = None
         self._lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
         self._closed = False
 
     def run(self, job: Job, folder: Path) -> JobRow:
         """Carries out a job; its `done.json` is written last. Raises Interrupted if the worker was closed."""
-        start = time.monotonic()
+        self._start, self._next_check, self._peak_gb = time.monotonic(), 0.0, 0.0
         tidy(folder)
-        watch = _Watch(self._setup.limits)
         try:
             with prepared(job.source) as source, (folder / LOG).open("a", encoding="utf-8") as log:
-                for order in _orders(replace(job, source=source), folder):
-                    self._carry_out(order, log, watch)
+                sources = [str(source), *map(str, job.more)]
+                if job.frames is None:
+                    self._carry_out(["run", *sources, *job.arguments, f"--out={folder}"], log)
+                for take in job.takes:  # of a job of final frames
+                    camera = [f"--cameras={take.camera}"] if take.camera else []
+                    place = [f"--frames={take.frames}", f"--out={folder / FRAMES / take.folder}"]
+                    self._carry_out(["frames", sources[take.blend], *camera, *place], log)
             complete = leave if job.frames is None else leave_frames
-            return complete(job, folder, watch.peak_gb, time.monotonic() - start)
+            return complete(job, folder, self._peak_gb, time.monotonic() - self._start)
         except VibeError as error:
             if self._closed:
                 raise Interrupted from error
-            seconds = round(time.monotonic() - start, 2)
-            failure = {"error": error.message, "remedy": error.remedy}
-            return head(job) | {"status": "failed", "seconds": seconds, "memory_gb": watch.peak_gb} | failure
+            seconds = round(time.monotonic() - self._start, 2)
+            row = head(job) | {"status": "failed", "seconds": seconds, "memory_gb": self._peak_gb}
+            return row | {"error": error.message, "remedy": error.remedy}
 
     def close(self) -> None:
         """Ends the process and all of its children now; a running job is interrupted."""
         self._closed = True
         self._kill()
 
-    def _carry_out(self, arguments: list[str], log: TextIO, watch: _Watch) -> None:
+    def _carry_out(self, arguments: list[str], log: TextIO) -> None:
         process = self._started()
         print(f"\n== {time.strftime('%Y-%m-%d %H:%M:%S')}  {' '.join(arguments)}", file=log, flush=True)
         assert process.stdin is not None
@@ -178,7 +166,7 @@ class Worker:
                 return
             last = line.strip() if line.strip() and not event else last
             try:
-                watch.look(process.pid)
+                self._check_limits(process.pid)
             except VibeError:
                 self._kill()
                 raise
@@ -202,6 +190,20 @@ class Worker:
         threading.Thread(target=_read, args=(process, self._lines), daemon=True).start()
         return process
 
+    def _check_limits(self, pid: int) -> None:
+        """Raises VibeError if the job has taken too long, or uses too much memory."""
+        limits, now = self._setup.limits, time.monotonic()
+        if now > self._start + 60 * limits.minutes:
+            raise VibeError(f"It took longer than {limits.minutes:g} minutes.", "Raise [limits] minutes.")
+        if now < self._next_check:
+            return
+        self._next_check = now + _TICK
+        used = launch.memory(pid)
+        self._peak_gb = max(self._peak_gb, round(used / 1e9, 3))
+        if used > limits.memory_gb * 1e9:
+            problem = f"It used {used / 1e9:.1f} GB of memory, more than {limits.memory_gb:g}."
+            raise VibeError(problem, "Raise [limits] memory_gb, or use a smaller size.")
+
     def _kill(self) -> None:
         process, self._process = self._process, None
         if process is None:
@@ -212,44 +214,6 @@ class Worker:
         with contextlib.suppress(OSError):
             process.stdin.close()
         self._scratch.cleanup()
-
-
-def _orders(job: Job, folder: Path) -> list[list[str]]:
-    """Command lines for Blender's side: one for a vibe, or one for each take of a job of final frames."""
-    sources = [str(job.source), *map(str, job.more)]
-    if job.frames is None:
-        return [["run", *sources, *job.arguments, f"--out={folder}"]]
-    orders = []
-    for take in job.takes:
-        camera = [f"--cameras={take.camera}"] if take.camera else []
-        place = f"--out={folder / FRAMES / take.folder}"
-        orders.append(["frames", sources[take.blend], *camera, f"--frames={take.frames}", place])
-    return orders
-
-
-class _Watch:
-    """Watches the time and the memory of a job."""
-
-    def __init__(self, limits: Limits) -> None:
-        self._limits = limits
-        self._end = time.monotonic() + 60 * limits.minutes
-        self._next = 0.0
-        self.peak_gb = 0.0
-
-    def look(self, pid: int) -> None:
-        """Raises VibeError if a limit has been passed."""
-        now = time.monotonic()
-        if now > self._end:
-            remedy = "Raise [limits] minutes."
-            raise VibeError(f"It took longer than {self._limits.minutes:g} minutes.", remedy)
-        if now < self._next:
-            return
-        self._next = now + _TICK
-        used = launch.memory(pid)
-        self.peak_gb = max(self.peak_gb, round(used / 1e9, 3))
-        if used > self._limits.memory_gb * 1e9:
-            problem = f"It used {used / 1e9:.1f} GB of memory, more than {self._limits.memory_gb:g}."
-            raise VibeError(problem, "Raise [limits] memory_gb, or use a smaller size.")
 
 
 def _read(process: subprocess.Popen[str], lines: queue.SimpleQueue[str | None]) -> None:

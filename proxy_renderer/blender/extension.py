@@ -19,19 +19,18 @@ from ..schema.options import checks
 from .launch import blender_side
 
 _LEFTOVERS = ("__pycache__", "*.pyc", "*.md")
-_OF_THE_COMMAND = ("cli", "batch", "blender", "command_line.py", "preset.py")
+_OF_THE_COMMAND = ("cli", "batch", "blender", "preset.py")
 """Folders and modules of the engine's package that only the command `vibe` runs: the zip leaves them out."""
 
 
 def build(out: Path) -> Path:
     """Builds and validates OUT/vibe_render-VERSION.zip, which names this Python; raises VibeError if that fails."""
-    tool = _blender_tool()
     with tempfile.TemporaryDirectory() as scratch:
         package = Path(scratch) / "vibe_render"
         _assemble(package)
-        _ask(tool, "validate", str(package))
-        _ask(tool, "build", "--source-dir", str(package), "--output-dir", scratch)
-        _ask(tool, "validate", str(archive := next(Path(scratch).glob("*.zip"))))
+        _ask("validate", str(package))
+        _ask("build", "--source-dir", str(package), "--output-dir", scratch)
+        _ask("validate", str(archive := next(Path(scratch).glob("*.zip"))))
         target = checks.folder(out) / archive.name
         with atomic.replacing(target) as part:  # so that OUT never holds a broken zip
             shutil.copyfile(archive, part)
@@ -43,40 +42,32 @@ def repository(out: Path) -> Path:
     archive = build(out)
     for older in set(out.glob("vibe_render-*.zip")) - {archive}:  # of two, Blender installs the first
         older.unlink()
-    _ask(_blender_tool(), "server-generate", "--repo-dir", str(out))
+    _ask("server-generate", "--repo-dir", str(out))
     return out / "index.json"
 
 
 def install(blender: str = "") -> str:
     """Builds, installs and enables the extension; `blender` is the program, its folder, or "" for the one on the PATH."""
-    program = _blender(blender)
+    if blender:
+        place = Path(blender).expanduser()
+        candidates = (place / name for name in ("", "blender", "blender.exe", "Contents/MacOS/Blender"))
+        program = next((str(path.absolute()) for path in candidates if path.is_file()), None)
+        if program is None:
+            raise VibeError(f"There is no Blender in {blender}.", "Name the program: --blender /path/to/blender.")
+    elif (program := shutil.which("blender")) is None:
+        raise VibeError("There is no `blender` on the PATH.", "Name it: --blender /path/to/blender.")
     with tempfile.TemporaryDirectory() as scratch:
         archive = build(Path(scratch))
         how = [program, "--command", "extension", "install-file", "-r", "user_default", "-e", str(archive)]
         try:
             done = subprocess.run(how, capture_output=True, text=True, errors="replace")
         except OSError as error:
-            problem = f"{program} does not start: {error.strerror}."
-            raise VibeError(problem, "Choose another --blender.") from error
+            raise VibeError(f"{program} does not start: {error.strerror}.", "Choose another --blender.") from error
     output = (done.stdout + done.stderr).strip()  # Blender may report errors and still exit with 0
     if done.returncode or "Error" in output:
         line = next((line for line in output.splitlines() if "rror" in line), output.rpartition("\n")[2])
-        remedy = "Blender 4.2 or later is needed."
-        raise VibeError(f"Blender refused to install the extension: {line}", remedy)
+        raise VibeError(f"Blender refused to install the extension: {line}", "Blender 4.2 or later is needed.")
     return f"{archive.name} is installed and enabled in {program}."
-
-
-def _blender(chosen: str) -> str:
-    if not chosen:
-        if program := shutil.which("blender"):
-            return program
-        raise VibeError("There is no `blender` on the PATH.", "Name it: --blender /path/to/blender.")
-    place = Path(chosen).expanduser()
-    inside = ("blender", "blender.exe", "Contents/MacOS/Blender")
-    for candidate in (place, *(place / name for name in inside)):
-        if candidate.is_file():
-            return str(candidate.absolute())
-    raise VibeError(f"There is no Blender in {chosen}.", "Name the program: --blender /path/to/blender.")
 
 
 def _assemble(package: Path) -> None:
@@ -87,34 +78,25 @@ def _assemble(package: Path) -> None:
     shutil.copytree(here / "schema", package / "schema", ignore=leftovers)
     engine = shutil.ignore_patterns(*_LEFTOVERS, *_OF_THE_COMMAND)
     shutil.copytree(here, package / "carried" / here.name, ignore=engine)
-    (package / "carried" / "requirements.txt").write_text("\n".join(_requirements()), encoding="utf-8")
-    (package / "engine.txt").write_text(sys.executable, encoding="utf-8")
-
-
-def _requirements() -> list[str]:
-    """The engine's requirements for pip: those of this package without Blender."""
-    project = Path(__file__).resolve().parents[2] / "pyproject.toml"
+    project = here.resolve().parent / "pyproject.toml"
     if project.is_file():
         needed = tomllib.loads(project.read_text(encoding="utf-8"))["project"]["dependencies"]
     else:
         needed = [line for line in metadata.requires("vibe-render") or [] if "extra ==" not in line]
-    return [line for line in needed if not line.startswith("bpy")]
+    requirements = "\n".join(line for line in needed if not line.startswith("bpy"))
+    (package / "carried" / "requirements.txt").write_text(requirements, encoding="utf-8")
+    (package / "engine.txt").write_text(sys.executable, encoding="utf-8")
 
 
-def _blender_tool() -> Path:
-    """Blender's own extension tool, which comes with the bpy package (and needs no Blender to run)."""
+def _ask(*arguments: str) -> None:
+    """Runs Blender's own extension tool, which comes with the bpy package. Raises VibeError if it fails."""
     spec = importlib.util.find_spec("bpy")
-    for place in (spec.submodule_search_locations or []) if spec else []:
-        for tool in Path(place).glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"):
-            return tool
-    remedy = "Install it with `pip install bpy` on Python 3.11 or 3.13."
-    raise VibeError("Blender's packing tool was not found.", remedy)
-
-
-def _ask(tool: Path, *arguments: str) -> None:
-    """Runs Blender's tool. Raises VibeError with the tool's message if it fails."""
-    done = subprocess.run([sys.executable, str(tool), *arguments], capture_output=True, text=True)
+    places = (spec.submodule_search_locations or []) if spec else []
+    tools = [tool for place in places for tool in Path(place).glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py")]
+    if not tools:
+        remedy = "Install it with `pip install bpy` on Python 3.11 or 3.13."
+        raise VibeError("Blender's packing tool was not found.", remedy)
+    done = subprocess.run([sys.executable, str(tools[0]), *arguments], capture_output=True, text=True)
     if done.returncode:
         complaint = (done.stderr or done.stdout).strip().rpartition("\n")[2]
-        problem = f"Blender's tool refused to {arguments[0]} the extension: {complaint}"
-        raise VibeError(problem, "Report this as a bug.")
+        raise VibeError(f"Blender's tool refused to {arguments[0]} the extension: {complaint}", "Report this as a bug.")

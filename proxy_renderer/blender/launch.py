@@ -5,8 +5,6 @@ Blender's side (`vibe_render/batch.py --events`) prints lines `VIBE {json}`: "st
 "result" and "error", besides whatever Blender itself prints.
 """
 
-from __future__ import annotations
-
 import contextlib
 import importlib.util
 import json
@@ -21,7 +19,7 @@ from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Self, TextIO
+from typing import Any, TextIO
 
 import psutil
 from rich.console import Console
@@ -29,35 +27,31 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TimeElapsedColumn
 
 from ..schema import VibeError, atomic, errors
 
-_LONG = 3600.0  # the remaining time is estimated from the steps of so many seconds
+_TRACE = re.compile(r"(Fatal Python error|Current thread|Thread 0x|Extension modules|\s+File |EGL Error|VIBE )")
+_TELLING = re.compile(r"error|exception|abort|fail|invalid|corrupt|not a ", re.IGNORECASE)
+_LAST = 20  # last lines among which the one that explains a crash is looked for
+_MARK = "VIBE "
 
 
-class TerminalBar:
+class TerminalBar(Progress):
     """A progress bar in a terminal, plain lines elsewhere; None is standard output. Use it as a context manager."""
 
     def __init__(self, columns: Sequence[Any], stream: TextIO | None, transient: bool, **task: Any) -> None:
         self._stream = stream or sys.stdout
         self._start = time.monotonic()
         self._plain = not self._stream.isatty()
-        console = Console(file=self._stream)
-        self._bar = Progress(
-            *columns, transient=transient, console=console, disable=self._plain, speed_estimate_period=_LONG
+        console, hour = Console(file=self._stream), 3600.0  # its steps give the remaining time
+        super().__init__(
+            *columns, transient=transient, console=console, disable=self._plain, speed_estimate_period=hour
         )
-        self._task = self._bar.add_task(**task)
-
-    def __enter__(self) -> Self:
-        self._bar.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._bar.stop()
+        self._task = self.add_task(**task)
 
     def note(self, text: str) -> None:
         """Prints a line that stays."""
         if self._plain:
             print(text, file=self._stream, flush=True)
         else:
-            self._bar.console.print(text, markup=False, highlight=False, emoji=False)
+            self.console.print(text, markup=False, highlight=False, emoji=False)
 
 
 class VibeProgress(TerminalBar):
@@ -77,14 +71,21 @@ class VibeProgress(TerminalBar):
             self.stage(event["name"])
         elif kind == "note":
             self.note(f"Note: {event['line']}")
-        elif kind == "progress":
-            self._progress(event)
         elif kind == "result":
             self._result = event
+        elif kind == "progress":
+            number, rounds, steps, left = event["round"], event["rounds"], event["steps"], int(event["seconds_left"])
+            title = f"round {number} of {rounds}"
+            detail = f"loss {event['loss']:.3f}   {left // 60}:{left % 60:02d} left"
+            done = (number - 1) * steps + event["step"]
+            self.update(self._task, description=title, total=rounds * steps, completed=done, detail=detail)
+            if self._plain and number != self._round:
+                self._round = number
+                self.stage(f"{title}: {detail}")
 
     def stage(self, name: str) -> None:
         """Shows that a new stage begins."""
-        self._bar.update(self._task, description=name, total=None, detail="")
+        self.update(self._task, description=name, total=None, detail="")
         if self._plain:
             self.note(f"{time.monotonic() - self._start:5.1f} s  {name}")
 
@@ -99,21 +100,6 @@ class VibeProgress(TerminalBar):
         missing = ", ".join(self._result.get("missing", []))
         ended = f"Ended without {missing}, after" if missing else "Done in"
         self.note(f"{ended} {seconds:.0f} s. Open {picture if picture.is_file() else out}")
-
-    def _progress(self, event: dict[str, Any]) -> None:
-        number, rounds, steps = event["round"], event["rounds"], event["steps"]
-        left = int(event["seconds_left"])
-        title, detail = (f"round {number} of {rounds}", f"loss {event['loss']:.3f}   {left // 60}:{left % 60:02d} left")
-        done = (number - 1) * steps + event["step"]
-        self._bar.update(self._task, description=title, total=rounds * steps, completed=done, detail=detail)
-        if self._plain and number != self._round:
-            self._round = number
-            self.stage(f"{title}: {detail}")
-
-
-_TRACE = re.compile(r"(Fatal Python error|Current thread|Thread 0x|Extension modules|\s+File |EGL Error|VIBE )")
-_TELLING = re.compile(r"error|exception|abort|fail|invalid|corrupt|not a ", re.IGNORECASE)
-_LAST = 20  # last lines among which the one that explains a crash is looked for
 
 
 def crash(code: int, doing: str, output: Sequence[str]) -> errors.UnexpectedError:
@@ -132,8 +118,7 @@ def crash(code: int, doing: str, output: Sequence[str]) -> errors.UnexpectedErro
 def last_words(output: Sequence[str]) -> str:
     """The one of the last lines of output that says most about a crash."""
     lines = [line.strip() for line in output if line.strip() and not _TRACE.match(line)][-_LAST:]
-    telling = [line for line in lines if _TELLING.search(line)]
-    return (telling or lines or [""])[-1][:200].rstrip(".")
+    return (list(filter(_TELLING.search, lines)) or lines or [""])[-1][:200].rstrip(".")
 
 
 def memory(number: int) -> int:
@@ -160,9 +145,6 @@ def _family(number: int) -> list[psutil.Process]:
         return []
 
 
-_MARK = "VIBE "
-
-
 def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None) -> int:
     """Runs batch.py with these arguments to its end; returns the command's exit code: 0, or 130 after a second Ctrl-C.
 
@@ -175,8 +157,12 @@ def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None
     tail: deque[str] = deque(maxlen=400)
     failure: VibeError | None = None
     scratch = tempfile.TemporaryDirectory(prefix="vibe-", ignore_cleanup_errors=True)
+    # A group of its own: a terminal sends Ctrl-C to its whole group, and this process passes it on.
+    group: dict[str, Any] = {"start_new_session": True}
+    if os.name == "nt":
+        group = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}  # type: ignore[attr-defined]
     with scratch as folder, progress:
-        process = start([str(blender_side()), "--events", *arguments], Path(folder), **_own_group())
+        process = start([str(blender_side()), "--events", *arguments], Path(folder), **group)
         with _forwarded_interrupts(process, progress) as presses:
             for now in events(process, tail):
                 doing = now["name"] if now.get("type") == "stage" else doing
@@ -205,14 +191,10 @@ def start(
     """Starts Python with these arguments as Blender's side, for `events` to read; its temporary files go to `scratch`."""
     places = dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(scratch)) if scratch else {}
     return subprocess.Popen(
-        [sys.executable, *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        encoding="utf-8",
-        errors="replace",
-        env=environment() | places | dict(variables or {}),
+        [sys.executable, *arguments], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8",
+        errors="replace", env=environment() | places | dict(variables or {}),
         **{"stdin": subprocess.DEVNULL, **options},
-    )
+    )  # fmt: skip
 
 
 def events(process: subprocess.Popen[str], tail: deque[str]) -> Iterator[dict[str, Any]]:
@@ -259,13 +241,6 @@ def handling(handler: Any, *numbers: int) -> Iterator[None]:
     finally:
         for number, old in before.items():
             signal.signal(number, old or signal.SIG_DFL)  # None: it was not set from Python
-
-
-def _own_group() -> dict[str, Any]:
-    """Options of Popen for a group of its own: a terminal sends Ctrl-C to its whole group, and this process passes it on."""
-    if os.name == "nt":
-        return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}  # type: ignore[attr-defined]
-    return {"start_new_session": True}
 
 
 def blender_side() -> Path:

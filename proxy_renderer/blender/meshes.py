@@ -16,28 +16,22 @@ import numpy as np
 from ..schema import VibeError
 
 MAGIC, JSON, BIN = b"glTF", 0x4E4F534A, 0x004E4942
-_MATERIALS = (
-    "anisotropy clearcoat dispersion emissive_strength ior iridescence pbrSpecularGlossiness sheen specular "
-    "transmission unlit variants volume"
-)
-_READ = {f"KHR_materials_{name}" for name in _MATERIALS.split()} | {
-    "KHR_animation_pointer",
-    "KHR_draco_mesh_compression",
-    "KHR_lights_punctual",
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
-    "KHR_xmp_json_ld",
-    "EXT_mesh_gpu_instancing",
-    "EXT_texture_webp",
-}
+_READ = """
+    KHR_animation_pointer KHR_draco_mesh_compression KHR_lights_punctual KHR_mesh_quantization KHR_texture_transform
+    KHR_xmp_json_ld EXT_mesh_gpu_instancing EXT_texture_webp KHR_materials_anisotropy KHR_materials_clearcoat
+    KHR_materials_dispersion KHR_materials_emissive_strength KHR_materials_ior KHR_materials_iridescence
+    KHR_materials_pbrSpecularGlossiness KHR_materials_sheen KHR_materials_specular KHR_materials_transmission
+    KHR_materials_unlit KHR_materials_variants KHR_materials_volume
+"""
 """glTF extensions that Blender 4.5 and 5 read or can ignore without harm; Draco is decoded here."""
 _BASISU = "KHR_texture_basisu"
 _UNCOMPRESSED = "Export it again without compression."
-_REMEDIES = {
-    _BASISU: "Export it again with PNG or JPEG textures.",
-    "EXT_meshopt_compression": _UNCOMPRESSED,
-    "KHR_meshopt_compression": _UNCOMPRESSED,
-}
+_REMEDIES = dict.fromkeys(("EXT_meshopt_compression", "KHR_meshopt_compression"), _UNCOMPRESSED)
+_REMEDIES[_BASISU] = "Export it again with PNG or JPEG textures."
+_NAME = "KHR_draco_mesh_compression"
+_LONGEST_TEXT = 16_000_000  # bytes; reading more of a text format would take longer than Blender's start
+_NUMBERS = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
+"""glTF's `componentType` -> type of a component."""
 
 
 def read_gltf(path: Path) -> tuple[dict[str, Any], bytes]:
@@ -67,15 +61,9 @@ def refuse_unread_extensions(path: Path) -> None:
         return
     if any(_BASISU in t.get("extensions", {}) and "source" not in t for t in textures):
         required.add(_BASISU)
-    for name in sorted(required - _READ):
+    for name in sorted(required.difference(_READ.split())):
         remedy = _REMEDIES.get(name, "Export it again without this extension.")
         raise VibeError(f"{path.name} needs the glTF extension {name}, which Blender cannot read.", remedy)
-
-
-_NAME = "KHR_draco_mesh_compression"
-_NUMBERS = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
-"""glTF's `componentType` -> type of a component."""
-_INDICES = 5125
 
 
 def is_packed(path: Path) -> bool:
@@ -97,10 +85,8 @@ def unpacked(path: Path, folder: Path) -> Path:
                 _unpack(document, data, primitive, packed)
     except Exception as error:
         reason = (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
-        raise VibeError(
-            f"The Draco compression of {path.name} cannot be decoded: {reason[:120]}.",
-            "Export it again without compression.",
-        ) from error
+        problem = f"The Draco compression of {path.name} cannot be decoded: {reason[:120]}."
+        raise VibeError(problem, _UNCOMPRESSED) from error
     for key in ("extensionsUsed", "extensionsRequired"):
         names = [name for name in document.pop(key, ()) if name != _NAME]
         document |= {key: names} if names else {}
@@ -145,7 +131,7 @@ def _unpack(document: dict[str, Any], data: bytearray, primitive: dict[str, Any]
         _store(document, data, accessor, values[number].astype(_NUMBERS[accessor["componentType"]]))
     if "indices" in primitive:
         accessor = accessors[primitive["indices"]]
-        accessor["componentType"] = _INDICES
+        accessor["componentType"] = 5125  # of 32-bit numbers
         _store(document, data, accessor, decoded.faces.astype(np.uint32).reshape(-1))
 
 
@@ -173,9 +159,6 @@ def _write(path: Path, document: dict[str, Any], data: bytearray) -> None:
     path.write_bytes(head + chunks)
 
 
-_LONGEST_TEXT = 16_000_000  # bytes; reading more of a text format would take longer than Blender's start
-
-
 @contextmanager
 def prepared(scene: Path) -> Iterator[Path]:
     """The file for Blender: the scene, or an uncompressed copy that exists inside the block. Refuses bad meshes."""
@@ -191,10 +174,7 @@ def prepared(scene: Path) -> Iterator[Path]:
 
 
 def check(path: Path) -> None:
-    """Raises VibeError for a file that is broken, or whose meshes have no faces, no size or infinite coordinates.
-
-    Long text files are not checked.
-    """
+    """Raises VibeError for a file that is broken, or whose meshes have no faces, no size or infinite coordinates."""
     with path.open("rb") as file:
         is_text = b"\0" not in file.read(1024)
     if is_text and path.stat().st_size > _LONGEST_TEXT:

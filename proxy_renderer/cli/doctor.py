@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`vibe doctor`: what is installed, what works, and what to do about what does not."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import platform
@@ -13,13 +11,11 @@ from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING
 
 from .. import __version__
 from ..schema import VibeError
-
-if TYPE_CHECKING:
-    from ..vlm.endpoint import Endpoint
+from ..schema.messages import Options
+from ..vlm.endpoint import Endpoint, find_endpoint
 
 _BLENDER = (
     "import bpy, json, os; print('BLENDER ' + json.dumps([bpy.app.version_string, "
@@ -34,15 +30,9 @@ def examine() -> int:
     print(f"vibe-render {__version__}", flush=True)
     config: list[str] = []
     checks: list[tuple[str, Callable[[], str]]] = [
-        ("Python", _python),
-        ("Blender", lambda: _blender(config)),
-        ("torch", _torch),
-        ("rays", _rays),
-        ("color", lambda: _ocio(config)),
-        ("encoder", _encoder),
-        ("folders", _folders),
-        ("model", _model),
-    ]
+        ("Python", _python), ("Blender", lambda: _blender(config)), ("torch", _torch), ("rays", _rays),
+        ("color", lambda: _ocio(config)), ("encoder", _encoder), ("folders", _folders), ("model", _model),
+    ]  # fmt: skip
     broken = 0
     for name, act in checks:
         try:
@@ -94,8 +84,7 @@ def _torch() -> str:
 
 
 def _rays() -> str:
-    remedy = "pip install embreex trimesh dracopy"
-    _imported("What reads meshes", remedy, "DracoPy", "embreex", "trimesh")
+    _imported("What reads meshes", "pip install embreex trimesh dracopy", "DracoPy", "embreex", "trimesh")
     return ", ".join(f"{name} {metadata.version(name)}" for name in ("embreex", "trimesh", "dracopy"))
 
 
@@ -116,13 +105,9 @@ def _encoder() -> str:
 
 def _model() -> str:
     """The answer to one cheap question with an image, if a vision-language model is configured."""
-    from ..schema.messages import Options
-    from ..vlm.endpoint import find_endpoint
-
-    endpoint = find_endpoint(Options())
-    if endpoint is None:
-        return "none, the offline planner does without (VIBE_VLM_MODEL names one)"
-    return try_model(endpoint)
+    if endpoint := find_endpoint(Options()):
+        return try_model(endpoint)
+    return "none, the offline planner does without (VIBE_VLM_MODEL names one)"
 
 
 def try_model(endpoint: Endpoint) -> str:
@@ -136,10 +121,8 @@ def try_model(endpoint: Endpoint) -> str:
     client = Client(endpoint)
     square = jpeg_of(Image.new("RGB", (64, 64), (220, 20, 20)))
     system = 'Name the color of the square in one word, as {"color": "..."}. Say "unseen" if there is no picture.'
-    answer = client.ask(
-        Question(system, "What color is it?", square, json_object(color={"type": "string"})), fresh=True
-    )
-    color = clean(answer.get("color"), 40)
+    question = Question(system, "What color is it?", square, json_object(color={"type": "string"}))
+    color = clean(client.ask(question, fresh=True).get("color"), 40)
     sees = "red" in color.lower() and client.dialect.pictures
     eyesight = "sees pictures" if sees else "does NOT see pictures: it plans from numbers, and cannot judge"
     return (

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """`vibe explain`: what a prompt would do to a scene, or to a plain one."""
 
-from __future__ import annotations
-
 import json
 import sys
 import tempfile
@@ -33,22 +31,16 @@ _SIZE = 96  # pixels of the longer side: no picture is drawn, rays only find wha
 
 
 def account(
-    prompt: str,
-    as_json: bool,
-    scene: Path | None = None,
-    subject: Sequence[str] = (),
-    with_reasons: bool = False,
-    target: Sequence[str] = (),
-    as_goals: bool = False,
+    prompt: str, form: str = "text", scene: Path | None = None, subject: Sequence[str] = (), target: Sequence[str] = ()
 ) -> str:
-    """The meaning of a prompt for a scene, as text or as JSON.
+    """The meaning of a prompt for a scene.
 
     Args:
+        form: "text", "json", "goals" for the goals alone, as `vibe run --goals` reads them, or "why" for the reasons
+            why each look word is bound as it is.
         scene: A .blend or a mesh, which Blender reads; None for a subject, its surroundings and three lights.
-        subject: Options for Blender's side that name the subject: "--subject=Cup".
-        with_reasons: Return only the reasons why each look word is bound as it is.
+        subject: Names of the subject's objects and collections.
         target: Targets that the artist has chosen for words: "copper=Cup".
-        as_goals: Return only the goals, as `vibe run --goals` reads them.
     """
     if scene:
         stage, instances, known = _read(prompt, scene, subject, target)
@@ -57,23 +49,23 @@ def account(
         known = SceneDescription(materials=dict(_MATERIALS))
         stage, instances, plan = None, plain_instances(_LIGHTS, _MATERIALS.items()), None
         goals = goals_or_why(Understood(prompt, known, target))
-    if with_reasons:
+    if form == "why":
         vocabulary = default_vocabulary()
-        text = prepared(prompt, known, vocabulary)
-        return why(read_words(text, known, vocabulary, targets=checks.targets(target)))
-    if as_goals:
+        words = read_words(prepared(prompt, known, vocabulary), known, vocabulary, targets=checks.targets(target))
+        return why(words)
+    if form == "goals":
         if isinstance(goals, VibeError):
             raise goals
         return json.dumps(written.as_json(goals), indent=2, ensure_ascii=False)
     advice = OfflineAdvisor(goals, plan).advise(None, instances, known)
     decided = advice.goals, advice.prompts, advice.plan
     light = _light(advice.goals, stage)
-    if as_json:
+    if form == "json":
         return json.dumps({**as_dict(*decided), "light": light}, indent=2, ensure_ascii=False)
     return "\n".join([explain(*decided), *(["", "Light", *(f"  {line}" for line in light)] if light else [])])
 
 
-def _light(goals: Goals, stage: StagedScenes | None) -> list[str]:
+def _light(goals: Goals, stage: "StagedScenes | None") -> list[str]:
     """Lines on the rig that the words ask for: the light for each of its parts; without a scene, the settings of each."""
     if stage:
         return list(stage.lighting.notes) if stage.lighting else []
@@ -90,13 +82,13 @@ def _light(goals: Goals, stage: StagedScenes | None) -> list[str]:
 
 def _read(
     prompt: str, scene: Path, subject: Sequence[str], target: Sequence[str]
-) -> tuple[StagedScenes, dict[str, Instance], SceneDescription]:
+) -> tuple["StagedScenes", dict[str, Instance], SceneDescription]:
     """A scene before the first round of a vibe: its stage, its parameter instances and its description, without a render."""
     from ..blender.launch import VibeProgress, launch
     from ..blender.meshes import prepared
 
     with tempfile.TemporaryDirectory(prefix="vibe-explain-") as folder, prepared(scene) as place:
-        arguments = ["export", str(place), f"--out={folder}", "--names-only", *subject]
+        arguments = ["export", str(place), f"--out={folder}", "--names-only", *(f"--subject={s}" for s in subject)]
         launch(arguments, scene, VibeProgress(sys.stderr))
         from ..optimize.scene_facts import described_now
         from ..optimize.shots import lock, picture_size

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command `vibe`: for each command its summary, its options, and the function that carries it out.
+"""The command `vibe`: for each command its summary, its options, and the function that carries it out."""
 
-Everything heavy is imported inside the functions, after the arguments have been found good.
-"""
-
+# Everything heavy is imported inside the functions, after the arguments have been found good.
 import argparse
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
@@ -15,8 +14,8 @@ from .. import __version__
 from ..inputs import check
 from ..schema import VibeError, errors, limits
 from ..schema.limits import MESH_FORMATS
-from ..schema.options import checks, command_line
-from ..schema.options.table import named
+from ..schema.options import checks
+from ..schema.options.table import add_option, add_options, named, to_arguments
 from ..schema.sentences import about_steps, plain
 
 DEMO_PROMPT = "Glossy teal on a pale sand background, warm soft light, slight vignette"
@@ -25,9 +24,8 @@ _HOW = ("picture", "effort", "reach", "engine", "render")  # groups of options t
 
 def _add_scene(parser: argparse.ArgumentParser, optional: bool = False) -> None:
     count: dict[str, Any] = {"nargs": "?", "default": ""} if optional else {}
-    meshes = " ".join(MESH_FORMATS)
-    parser.add_argument("scene", metavar="SCENE", help=f"a .blend, or a mesh: {meshes}", **count)
-    command_line.add_option(parser, named("subject"))
+    parser.add_argument("scene", metavar="SCENE", help=f"a .blend, or a mesh: {' '.join(MESH_FORMATS)}", **count)
+    add_option(parser, named("subject"))
 
 
 def _add_out(parser: argparse.ArgumentParser, help: str, default: str = "") -> None:
@@ -36,34 +34,29 @@ def _add_out(parser: argparse.ArgumentParser, help: str, default: str = "") -> N
     parser.add_argument("--out", required=not default, default=given, type=Path, metavar="DIR", help=help)
 
 
-# --- run, demo ---
-
-
 def _run_options(parser: argparse.ArgumentParser) -> None:
     _add_scene(parser)
-    more = "more .blends that are to have the same look"
-    parser.add_argument("more", nargs="*", metavar="SCENE", help=more)
-    command_line.add_option(parser, named("prompt"))
-    command_line.add_option(parser, named("then"))
+    parser.add_argument("more", nargs="*", metavar="SCENE", help="more .blends that are to have the same look")
+    add_option(parser, named("prompt"))
+    add_option(parser, named("then"))
     _add_out(parser, "folder for images, .blend and report")
-    command_line.add_option(parser, named("stage"), default="")
-    command_line.add_options(parser, ("shots", "moments", *_HOW))
+    add_option(parser, named("stage"), default="")
+    add_options(parser, ("shots", "moments", *_HOW))
 
 
 def _run(a: argparse.Namespace) -> int:
     scene = check.scene(a.scene)
     if a.stage and scene.suffix.lower() == ".blend":
         raise VibeError("--stage is for bare meshes; a .blend brings its own.", "Leave --stage out.")
-    scenes = check.shots([scene, *map(check.scene, a.more)], a)
-    return carry_out(a, "run", scenes)
+    return carry_out(a, "run", check.shots([scene, *map(check.scene, a.more)], a))
 
 
 def _demo_options(parser: argparse.ArgumentParser) -> None:
     shown = f"the look (default: {DEMO_PROMPT}; with a reference image: none)"
-    command_line.add_option(parser, named("prompt"), default=None, help=shown)
-    command_line.add_option(parser, named("then"))
+    add_option(parser, named("prompt"), default=None, help=shown)
+    add_option(parser, named("then"))
     _add_out(parser, "folder (default: %(default)s)", "demo")
-    command_line.add_options(parser, _HOW)
+    add_options(parser, _HOW)
 
 
 def _demo(a: argparse.Namespace) -> int:
@@ -97,10 +90,7 @@ def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> 
             if about_steps(sentence) is None:
                 check.words(plain(sentence)[0], a)
         out = checks.folder(a.out)  # last: a mistake leaves no folder
-        return launch([what, *places, f"--out={out}", *command_line.to_arguments(a)], out)
-
-
-# --- batch, flamenco ---
+        return launch([what, *places, f"--out={out}", *to_arguments(a)], out)
 
 
 def _batch_options(parser: argparse.ArgumentParser) -> None:
@@ -126,29 +116,23 @@ def _batch(a: argparse.Namespace) -> int:
 def _flamenco_options(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("action", choices=("install",), metavar="install", help="the only thing to do with it")
-    scripts = "folder `scripts` of your Flamenco Manager"
-    add("--scripts", required=True, type=Path, metavar="DIR", help=scripts)
+    add("--scripts", required=True, type=Path, metavar="DIR", help="folder `scripts` of your Flamenco Manager")
 
 
 def _flamenco(a: argparse.Namespace) -> int:
     from ..batch.command import install_job_type
 
-    written = install_job_type(a.scripts)
-    print(f"Written: {written}. Restart the Manager, then refresh the job types in Blender.")
+    print(f"Written: {install_job_type(a.scripts)}. Restart the Manager, then refresh the job types in Blender.")
     return 0
 
 
-# --- apply, revert ---
-
-
 def _apply_options(parser: argparse.ArgumentParser) -> None:
-    preset = "a preset.json that `vibe run` has written, or a name: noir"
-    parser.add_argument("preset", metavar="PRESET", help=preset)
+    parser.add_argument("preset", metavar="PRESET", help="a preset.json that `vibe run` has written, or a name: noir")
     _add_scene(parser)
     _add_out(parser, "folder for pictures and .blend")
     render = parser.add_argument_group("render")
-    command_line.add_option(render, named("size"), default=limits.STANDARD.size)
-    command_line.add_option(render, named("samples"))
+    add_option(render, named("size"), default=limits.STANDARD.size)
+    add_option(render, named("samples"))
 
 
 def _apply(a: argparse.Namespace) -> int:
@@ -159,7 +143,7 @@ def _apply(a: argparse.Namespace) -> int:
     preset, scene = check.preset(a.preset), check.scene(a.scene)
     out = checks.folder(a.out)
     with prepared(scene) as place:
-        return launch(["apply", preset, str(place), f"--out={out}", *command_line.to_arguments(a)], out)
+        return launch(["apply", preset, str(place), f"--out={out}", *to_arguments(a)], out)
 
 
 def _revert_options(parser: argparse.ArgumentParser) -> None:
@@ -172,19 +156,15 @@ def _revert(a: argparse.Namespace) -> int:
 
     scene = check.scene(a.scene)
     if scene.suffix.lower() != ".blend":
-        remedy = "Revert takes the vibed.blend that a vibe has written."
-        raise VibeError(f"{a.scene} is not a .blend.", remedy)
+        raise VibeError(f"{a.scene} is not a .blend.", "Revert takes the vibed.blend that a vibe has written.")
     return launch(["revert", str(scene)], scene)
-
-
-# --- explain, vocabulary ---
 
 
 def _explain_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("prompt", metavar="TEXT", help="the look")
     _add_scene(parser, optional=True)
-    command_line.add_option(parser, named("vocabulary"))
-    command_line.add_option(parser, named("target"))
+    add_option(parser, named("vocabulary"))
+    add_option(parser, named("target"))
     why = "what each look word may be bound to, with scores and the facts that decided"
     parser.add_argument("--why", action="store_true", help=why)
     goals = "what the words wish for, as JSON that `vibe run --goals` reads"
@@ -199,8 +179,8 @@ def _explain(a: argparse.Namespace) -> int:
     check.vocabulary(a.vocabulary)
     checks.targets(a.target)
     scene = check.scene(a.scene) if a.scene else None
-    subject = [f"--subject={name}" for name in a.subject]
-    print(account(a.prompt, a.json, scene, subject, a.why, a.target, a.goals))
+    form = next((form for form in ("why", "goals", "json") if getattr(a, form)), "text")
+    print(account(a.prompt, form, scene, a.subject, a.target))
     return 0
 
 
@@ -217,48 +197,38 @@ def _vocabulary_options(parser: argparse.ArgumentParser) -> None:
     test = actions.add_parser("test", help="say how a prompt is read with it")
     test.add_argument("text", metavar="TEXT", help="the look")
     listed = actions.add_parser("list", help="list entries and colors")
-    part = "only those with this in a wording"
-    listed.add_argument("part", metavar="TEXT", nargs="?", default="", help=part)
+    listed.add_argument("part", metavar="TEXT", nargs="?", default="", help="only those with this in a wording")
     for action in (add, test, listed):
-        command_line.add_option(action, named("vocabulary"))
+        add_option(action, named("vocabulary"))
 
 
 def _vocabulary(a: argparse.Namespace) -> int:
+    from ..folders import config_folder
+    from ..words.lexicon import user_words
+
     if a.action == "add":
-        _add_word(a)
-    elif a.action == "test":
+        if bool(a.color) == bool(a.wish or a.means):
+            raise VibeError(f"'{a.name}' needs a color, or what it does.", "Give --color, or --wish, or --means.")
+        path = Path(a.vocabulary).expanduser() if a.vocabulary else config_folder() / "vocabulary.toml"
+        if a.color:
+            user_words.add_color(path, a.name, a.color)
+        else:
+            user_words.add_look(path, a.name, {"slot": a.slot, "words": a.words, "wishes": a.wish, "means": a.means})
+        print(f"'{a.name}' is in {path} now.")
+        return 0
+    check.vocabulary(a.vocabulary)
+    if a.action == "test":
         from .explain import account
 
-        check.vocabulary(a.vocabulary)
-        print(account(a.text, as_json=False))
+        print(account(a.text))
     else:
-        from ..words.lexicon.user_words import default_vocabulary
-
-        check.vocabulary(a.vocabulary)
-        known, part = default_vocabulary(), a.part.lower()
+        known, part = user_words.default_vocabulary(), a.part.lower()
         for entry in known.entries.values():
             if any(part in word for word in entry.words):
                 others = ", ".join(word for word in entry.words if word != entry.name)
                 print(f"{entry.name} ({entry.slot}){': ' + others if others else ''}")
         print("\n".join(f"{name} (color)" for name in known.colors if part in name))
     return 0
-
-
-def _add_word(a: argparse.Namespace) -> None:
-    from ..folders import config_folder
-    from ..words.lexicon.user_words import add_color, add_look
-
-    if bool(a.color) == bool(a.wish or a.means):
-        raise VibeError(f"'{a.name}' needs a color, or what it does.", "Give --color, or --wish, or --means.")
-    path = Path(a.vocabulary).expanduser() if a.vocabulary else config_folder() / "vocabulary.toml"
-    if a.color:
-        add_color(path, a.name, a.color)
-    else:
-        add_look(path, a.name, {"slot": a.slot, "words": a.words, "wishes": a.wish, "means": a.means})
-    print(f"'{a.name}' is in {path} now.")
-
-
-# --- doctor, extension ---
 
 
 def _doctor(a: argparse.Namespace) -> int:
@@ -295,7 +265,7 @@ class Command(NamedTuple):
     act: Callable[[argparse.Namespace], int]
 
 
-COMMANDS = {
+COMMANDS = {  # in the order of the help
     "run": Command("Give a scene the look that words describe, or a reference image has.", _run_options, _run),
     "demo": Command("Build a small test scene and give it a look.", _demo_options, _demo),
     "batch": Command("Give many scenes many looks, on this machine or on a cluster.", _batch_options, _batch),
@@ -311,7 +281,6 @@ COMMANDS = {
         "Build the Blender extension, install it, or publish it in a repository.", _extension_options, _extension
     ),
 }
-"""In the order of the help."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -324,11 +293,7 @@ class Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.program}: {message[:1].upper()}{message[1:]}. See `{self.prog} --help`.\n")
 
 
-class Help(argparse.HelpFormatter):
-    """Help texts in a column wide enough for the option names."""
-
-    def __init__(self, prog: str) -> None:
-        super().__init__(prog, max_help_position=28, width=100)
+Help = partial(argparse.HelpFormatter, max_help_position=28, width=100)  # a column wide enough for the option names
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -371,8 +336,7 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("--version", action="version", version=f"vibe-render {__version__}")
     commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True, parser_class=Parser)
     for name, command in COMMANDS.items():
-        says = command.summary
-        sub = commands.add_parser(name, help=says, description=says, formatter_class=Help)
+        sub = commands.add_parser(name, help=command.summary, description=command.summary, formatter_class=Help)
         sub.set_defaults(act=command.act)
         command.add_options(sub)
     return top

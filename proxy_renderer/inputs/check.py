@@ -48,11 +48,7 @@ def shots(scenes: Sequence[Path], arguments: argparse.Namespace) -> list[Path]:
         raise VibeError("Only .blends can share a look.", "Give bare meshes one at a time.")
     if several and "camera" in checks.groups(arguments.groups):
         raise VibeError("Shots that share a look keep their cameras.", "Leave camera out of --groups.")
-    for name in ("check_every", "offset_keys"):
-        if several and getattr(arguments, name):
-            flag = f"--{name.replace('_', '-')}"
-            raise VibeError(f"{flag} is for one shot.", "Leave out more scenes, --cameras and --frames.")
-    checks.steady(arguments)
+    checks.shots(arguments, several)
     if arguments.grade_each and not several:
         raise VibeError("--grade-each is for several shots.", "Name --cameras, --frames or more scenes.")
     return list(dict.fromkeys(scenes))
@@ -100,5 +96,4 @@ def vocabulary(name: str) -> None:
 def device(name: str) -> None:
     """Raises VibeError unless a name is auto, cpu, cuda or xpu, the last two with or without a number."""
     if not _DEVICE.fullmatch(name):
-        remedy = "Use auto, cpu, cuda or cuda:1; `vibe doctor` lists yours."
-        raise VibeError(f"Unknown device {name!r}.", remedy)
+        raise VibeError(f"Unknown device {name!r}.", "Use auto, cpu, cuda or cuda:1; `vibe doctor` lists yours.")

@@ -61,16 +61,12 @@ def card(pattern: str, size: float) -> list[Quad]:
         for i in range(_LEAVES):
             away, turn = _CROWN * math.sqrt((i + 0.5) / _LEAVES), _GOLDEN * i
             x, y = away * math.cos(turn), away * math.sin(turn)
-            length = _LEAF * (0.55 + 0.9 * ((i * 0.754877) % 1.0))
-            parts.append(_leaf(x, y, length, _GOLDEN * i * 1.7))
+            length, turn = _LEAF * (0.55 + 0.9 * ((i * 0.754877) % 1.0)), _GOLDEN * i * 1.7
+            a, b = length * math.cos(turn), length * math.sin(turn)
+            # a rhombus, twice as long as wide
+            parts.append(((x + a, y + b), (x - b / 2, y + a / 2), (x - a, y - b), (x + b / 2, y - a / 2)))
     return [tuple((x * size, y * size) for x, y in part) for part in parts]  # type: ignore[misc]
 
 
 def _box(left: float, low: float, right: float, high: float) -> Quad:
     return (left, low), (right, low), (right, high), (left, high)
-
-
-def _leaf(x: float, y: float, length: float, turn: float) -> Quad:
-    """A rhombus, twice as long as wide."""
-    a, b = length * math.cos(turn), length * math.sin(turn)
-    return (x + a, y + b), (x - b / 2, y + a / 2), (x - a, y - b), (x + b / 2, y - a / 2)

@@ -32,12 +32,6 @@ def write_text(path: Path, text: str) -> None:
         part.write_text(text, encoding="utf-8")
 
 
-def write_bytes(path: Path, content: bytes) -> None:
-    """Writes a file, see `replacing`."""
-    with replacing(path) as part:
-        part.write_bytes(content)
-
-
 def is_full(error: Exception) -> bool:
     """True if an error says that the disk, or the user's quota, is full."""
     return getattr(error, "errno", 0) in (errno.ENOSPC, errno.EDQUOT) or "No space left" in str(error)

@@ -9,6 +9,9 @@ import traceback
 from contextlib import suppress
 from pathlib import Path
 
+_KEPT = 20  # logs; older ones are deleted
+_LONGEST = 200  # characters of a reason
+
 
 class VibeError(Exception):
     """An error that the user can fix, with the remedy."""
@@ -25,10 +28,6 @@ class VibeError(Exception):
 def quoted(text: str, most: int = 40) -> str:
     """A text from a file in quotes for a message: on one line, cut after `most` characters."""
     return repr(text if len(text) <= most else text[:most] + "…")
-
-
-_KEPT = 20  # logs; older ones are deleted
-_LONGEST = 200  # characters of a reason
 
 
 class UnexpectedError(VibeError):

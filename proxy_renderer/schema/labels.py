@@ -50,8 +50,7 @@ def title(key: str) -> str:
 
 def titles(keys: list[str], most: int = 3) -> str:
     """Names for a note, not too many: "Key light: Power, Key light: Color and 2 more"."""
-    shown = ", ".join(map(title, keys[:most]))
-    return shown + (f" and {len(keys) - most} more" if len(keys) > most else "")
+    return ", ".join(map(title, keys[:most])) + (f" and {len(keys) - most} more" if len(keys) > most else "")
 
 
 def text(key: str, values: Values) -> str:
@@ -68,7 +67,9 @@ def text(key: str, values: Values) -> str:
     if row.unit == "stops":
         stops = round(values[0], 2)
         return f"{stops:+g} stops" if stops else "0 stops"
-    return f"{_number(values[0])}{_UNITS[row.unit]}"
+    # About three significant digits, without exponents.
+    value = values[0] if abs(values[0]) >= 1e-4 else 0
+    return f"{value:{'.0f' if abs(value) >= 100 else '.3g'}}{_UNITS[row.unit]}"
 
 
 def bare(key: str, values: Values) -> str:
@@ -80,10 +81,3 @@ def same(key: str, before: Values, after: Values) -> bool:
     """True if two values have the same text or differ by 32-bit rounding only: such a change is not listed."""
     pairs = zip(before, after, strict=True)
     return text(key, before) == text(key, after) or all(math.isclose(a, b, rel_tol=_CLOSE) for a, b in pairs)
-
-
-def _number(value: float) -> str:
-    """About three significant digits, without exponents."""
-    if abs(value) < 1e-4:
-        return "0"
-    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"

@@ -2,7 +2,6 @@
 """Limits that command line, panel, manifest, presets and parser share, and budgets: how much work a vibe may do."""
 
 from dataclasses import dataclass
-from typing import Any
 
 LONGEST_PROMPT = 2000  # characters of a prompt
 LONGEST_NAME = 60  # characters of a preset's name
@@ -28,10 +27,3 @@ BUDGETS = {
 }
 STANDARD = BUDGETS["standard"]
 NUMBERS = ("rounds", "steps", "size", "starts")  # options that the effort decides if they are not given
-
-
-def fill(options: Any) -> None:
-    """Sets the numbers of options that are None to those of their `effort`."""
-    for name in NUMBERS:
-        if getattr(options, name) is None:
-            setattr(options, name, getattr(BUDGETS[options.effort], name))

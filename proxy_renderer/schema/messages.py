@@ -14,11 +14,7 @@ from .errors import VibeError
 from .options.table import Options as Options
 from .parameters import schema_hash
 
-
-def _typed(message: Any, name: str, kind: type) -> None:
-    """Converts the rows in a field of a message to their class, because JSON gives them as dictionaries."""
-    rows = [row if isinstance(row, kind) else kind(**row) for row in getattr(message, name)]
-    object.__setattr__(message, name, rows)
+VARIANTS = "variants.png"  # the sheet of all variants, a file name in the job folder
 
 
 @dataclass(frozen=True)
@@ -50,9 +46,6 @@ class Vibe:
     vlm_key: str = field(default="", repr=False)
     shots: list[Shot] = field(default_factory=list)  # all of several shots; empty for a single one
     looks: bool = False  # whether to send looks before the result, see `LookSoFar`
-
-    def __post_init__(self) -> None:
-        _typed(self, "shots", Shot)
 
 
 @dataclass(frozen=True)
@@ -99,9 +92,6 @@ class Readings:
     prompt: str  # the words that it is about
     words: list[WordReading] = field(default_factory=list)  # its look words and the words left out, in order
     note: str = ""  # why nothing is understood, in a sentence for the artist; "" where something is
-
-    def __post_init__(self) -> None:
-        _typed(self, "words", WordReading)
 
 
 @dataclass(frozen=True)
@@ -170,9 +160,6 @@ class Anchored:
     error: str = ""  # why there is no image
 
 
-VARIANTS = "variants.png"  # the sheet of all variants, a file name in the job folder
-
-
 @dataclass(frozen=True)
 class Variant:
     """One of several looks for the same words."""
@@ -195,9 +182,6 @@ class Result:
     variants: list[Variant] = field(default_factory=list)
     # of several shots: the values of each, by keys with the names in its scene; `values` are the first shot's
     shots: list[dict[str, list[float]]] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        _typed(self, "variants", Variant)
 
 
 @dataclass(frozen=True)
@@ -268,6 +252,8 @@ Message = (
 )  # fmt: skip
 
 _TYPES: dict[str, type] = {message.__name__: message for message in get_args(Message)}
+_ROWS = {"Vibe": ("shots", Shot), "Readings": ("words", WordReading), "Result": ("variants", Variant)}
+"""Message -> a field whose rows are objects of a class; JSON has them as dictionaries."""
 
 
 def encode(message: Message) -> bytes:
@@ -276,12 +262,16 @@ def encode(message: Message) -> bytes:
     return json.dumps(body, ensure_ascii=False, allow_nan=False).encode() + b"\0"
 
 
-def decode(raw: bytes | str) -> Message:
+def decode(raw: bytes) -> Message:
     """Inverse of `encode`, with or without the NUL byte."""
-    text = raw.decode(errors="replace") if isinstance(raw, bytes) else raw
+    text = raw.decode(errors="replace")
     try:
         body = json.loads(text.rstrip("\0"))
-        return _TYPES[body.pop("type")](**body)
+        kind = body.pop("type")
+        if kind in _ROWS:
+            name, row = _ROWS[kind]
+            body[name] = [row(**each) for each in body.get(name, ())]
+        return _TYPES[kind](**body)
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         problem = f"The engine and Blender do not understand each other: {text[:80]!r}."
         raise VibeError(problem, "Install the same version of vibe-render for both.") from error
@@ -302,11 +292,8 @@ def check_schema(theirs: str, who: str) -> None:
         raise VibeError(problem, "Install the same version of vibe-render for Blender and for the engine.")
 
 
-ClaimVerdict = Mapping[str, Any]  # a row of the report's `claims`, see `proxy_renderer.claims.claim`
-
-
-def word_states(rows: Sequence[ClaimVerdict]) -> dict[str, str]:
-    """Word with measured claims -> the first state in `_STRONGEST` that one of its claims has.
+def word_states(rows: Sequence[Mapping[str, Any]]) -> dict[str, str]:
+    """Word with measured claims -> the first state in `_STRONGEST` that one of its claims has; `rows` as in `Finished`.
 
     A claim is "missed" if it is not satisfied, "unmeasured" if judges do not see what its measure reads, "visible" if
     the run satisfied it, and "already" if it was satisfied before.
@@ -320,7 +307,7 @@ def word_states(rows: Sequence[ClaimVerdict]) -> dict[str, str]:
     return states
 
 
-def words_of(row: ClaimVerdict) -> tuple[str, ...]:
+def words_of(row: Mapping[str, Any]) -> tuple[str, ...]:
     """The words of the prompt that a claim belongs to; none for a claim that every image has to satisfy."""
     return tuple(word for word in (row["word"], *row.get("also", ())) if word)
 

@@ -139,11 +139,10 @@ def matches(key: str, patterns: tuple[str, ...] | list[str]) -> bool:
 # speaks of its color, substance or finish. The glow of a material that lights the scene counts as a light, not as paint.
 PAINT = "material"  # the group of parameters that only words about surfaces may change
 _NO_PAINT = frozenset(("light", "world", "volume", "film"))
-MEANS: dict[str, frozenset[str]] = {
+MEANS: dict[str, frozenset[str]] = {  # slot of a word -> groups of parameters that may serve it
     **dict.fromkeys(("color", "finish", "material"), _NO_PAINT | {PAINT}),
     **dict.fromkeys(("lighting", "atmosphere", "grade", "mood", "setting"), _NO_PAINT),
 }
-"""Slot of a word -> groups of parameters that may serve it."""
 SURFACES = tuple(slot for slot, groups in MEANS.items() if PAINT in groups)  # slots of words about surfaces
 PICTURE = "picture"  # the slot of a reference image's wishes, which all groups may serve
 
@@ -154,7 +153,7 @@ def may_serve(group: str, slot: str, cause: str = "") -> bool:
 
 
 VERSION = 1  # raised when a row's meaning changes: presets carry it, and a newer one is refused
-REFERENCES = {
+REFERENCES = {  # scene lengths that bounds are multiples of, measured once, before anything is changed
     "light_distance": "distance from the light to the subject's center, meters",
     "light_distance_squared": "the same, squared: it cancels the inverse square law",
     "view_distance": "distance from the camera to the subject's center, meters",
@@ -162,7 +161,6 @@ REFERENCES = {
     "subject_height": "height of the subject's bounding box, meters",
     "per_subject_height": "its inverse",
 }
-"""Scene lengths that bounds are multiples of, measured once, before anything is changed."""
 
 _LAMPS = ("POINT", "SPOT", "AREA")
 GROUPS = ("camera", "light", "world", "material", "volume", "film")

@@ -19,12 +19,11 @@ from .parameters import FAMILIES, PARAMETERS, VERSION
 
 FORMAT = "vibe-preset"
 
-ROLES: dict[str, str] = {
+ROLES: dict[str, str] = {  # role -> the parameter group of its values; a camera belongs to its scene, not to a look
     **dict.fromkeys(("subject", "surroundings"), "material"),
     **dict.fromkeys(("key", "fill", "rim"), "light"),
     **{group: group for group in ("world", "volume", "film")},
 }
-"""Every role and the parameter group of its values. A camera belongs to its scene, not to a look."""
 
 Entry = dict[str, list[float]]  # of one material or light: name -> components, in multiples of the reference
 
@@ -82,7 +81,15 @@ def loads(text: str) -> Preset:
     for role, entries in raw["roles"].items():
         _check_role(role, entries)
     kinds = raw.get("kinds", {})
-    _check_kinds(kinds, raw["roles"])
+    if not isinstance(kinds, dict):
+        raise VibeError("The preset's kinds of lights are broken.", _OURS)
+    for role, types in kinds.items():  # a role that has types of lights has one for each of its entries
+        of_light = ROLES.get(role) == "light" and isinstance(types, list)
+        if not of_light or len(types) != len(raw["roles"].get(role, ())):
+            raise VibeError(f"The preset's kinds of lights for {quoted(role)} do not fit its lights.", _OURS)
+        for unknown in (each for each in types if each not in LIGHT_TYPES):
+            remedy = f"Types are: {', '.join(LIGHT_TYPES)}."
+            raise VibeError(f"The preset has an unknown type of light {quoted(str(unknown))}.", remedy)
     name, prompt = _text(raw, "name", LONGEST_NAME), _text(raw, "prompt", LONGEST_PROMPT)
     goals = raw.get("goals", {})
     if not isinstance(goals, dict):
@@ -104,39 +111,20 @@ def _check_role(role: str, entries: Any) -> None:
         raise VibeError(f"The preset has an unknown role {quoted(role)}.", f"Roles are: {', '.join(ROLES)}.")
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise VibeError(f"The preset's role {role!r} is broken.", _OURS)
-    for entry in entries:
-        for name, value in entry.items():
-            _check_value(role, name, value)
-
-
-def _check_kinds(kinds: Any, roles: Mapping[str, list[Entry]]) -> None:
-    """Checks the types of the lights: a role that has types has one for each of its entries."""
-    if not isinstance(kinds, dict):
-        raise VibeError("The preset's kinds of lights are broken.", _OURS)
-    for role, types in kinds.items():
-        of_light = ROLES.get(role) == "light" and isinstance(types, list)
-        if not of_light or len(types) != len(roles.get(role, ())):
-            raise VibeError(f"The preset's kinds of lights for {quoted(role)} do not fit its lights.", _OURS)
-        for each in types:
-            if each not in LIGHT_TYPES:
-                remedy = f"Types are: {', '.join(LIGHT_TYPES)}."
-                raise VibeError(f"The preset has an unknown type of light {quoted(str(each))}.", remedy)
-
-
-def _check_value(role: str, name: str, value: Any) -> None:
-    parameter = FAMILIES.get(f"{ROLES[role]}/{name}")
-    if parameter is None:
-        remedy = "Remove it from the preset."
-        raise VibeError(f"The preset has an unknown parameter {role}/{quoted(name)}.", remedy)
-    numbers = isinstance(value, list) and all(type(v) in (int, float) for v in value)
-    if not numbers or len(value) != parameter.components:
-        problem = f"The preset's {role}/{name} needs {parameter.components} numbers."
-        raise VibeError(problem, "Correct the preset.")
-    if any(isinstance(v, float) and not math.isfinite(v) for v in value):  # isfinite fails for a large int
-        raise VibeError(f"The preset's {role}/{name} is not a finite number.", "Correct the preset.")
-    if not all(parameter.lower <= v <= parameter.upper for v in value):
-        remedy = f"Use {parameter.lower:g} to {parameter.upper:g}."
-        raise VibeError(f"The preset's {role}/{name} is out of bounds: {quoted(str(value))}.", remedy)
+    for name, value in (item for entry in entries for item in entry.items()):
+        parameter = FAMILIES.get(f"{ROLES[role]}/{name}")
+        if parameter is None:
+            problem = f"The preset has an unknown parameter {role}/{quoted(name)}."
+            raise VibeError(problem, "Remove it from the preset.")
+        numbers = isinstance(value, list) and all(type(v) in (int, float) for v in value)
+        if not numbers or len(value) != parameter.components:
+            problem = f"The preset's {role}/{name} needs {parameter.components} numbers."
+            raise VibeError(problem, "Correct the preset.")
+        if any(isinstance(v, float) and not math.isfinite(v) for v in value):  # isfinite fails for a large int
+            raise VibeError(f"The preset's {role}/{name} is not a finite number.", "Correct the preset.")
+        if not all(parameter.lower <= v <= parameter.upper for v in value):
+            remedy = f"Use {parameter.lower:g} to {parameter.upper:g}."
+            raise VibeError(f"The preset's {role}/{name} is out of bounds: {quoted(str(value))}.", remedy)
 
 
 def clamped(group: str, values: Mapping[str, Sequence[float]]) -> Entry:

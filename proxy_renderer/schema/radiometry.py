@@ -1,12 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Radiometry: how bright Blender's lights make a white diffuse surface that faces them.
-
-Checked against Cycles renders by blender_tests/scene/test_key_light.py.
-"""
+"""Radiometry: how bright Blender's lights make a white diffuse surface that faces them."""
 
 import math
 
-_UNIT_ENERGY = {
+_UNIT_ENERGY = {  # checked against Cycles renders by blender_tests/scene/test_key_light.py
     "POINT": 4 * math.pi**2,
     "SPOT": 4 * math.pi**2,  # a spot is a point with a mask: as bright inside the cone
     "AREA": math.pi**2,
@@ -17,8 +14,7 @@ TABLE_TOE, TABLE_STOPS = 2.0**-10, 16.0  # the color table's axis: TOE · (2 ** 
 
 def unit_energy(light_type: str, distance: float = 1.0) -> float:
     """The energy that gives a white diffuse surface, facing the light, a radiance of 1: W at a distance in m; a sun's W/m²."""
-    falloff = 1.0 if light_type == "SUN" else distance**2  # a sun's energy is an irradiance
-    return _UNIT_ENERGY[light_type] * falloff
+    return _UNIT_ENERGY[light_type] * (1.0 if light_type == "SUN" else distance**2)  # a sun's is an irradiance
 
 
 def radiance(light_type: str, energy: float, distance: float = 1.0, stops: float = 0.0) -> float:

@@ -17,7 +17,7 @@ import pytest
 from batch_parts import carry_out, contents, plan_of
 
 from proxy_renderer.batch.manifest import BatchPlan, Limits, SceneGroup, Take
-from proxy_renderer.batch.schedule import fitting, machine
+from proxy_renderer.batch.pools import fitting, machine
 from proxy_renderer.batch.store import Finals, Store, takes
 from proxy_renderer.schema import VibeError
 

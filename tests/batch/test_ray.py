@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from batch_parts import COMMAND, SMALL, carry_out, contents, on_cluster, plan_of
 
-from proxy_renderer.batch import schedule
+from proxy_renderer.batch import command
 from proxy_renderer.batch.manifest import BatchPlan, SceneGroup
 from proxy_renderer.batch.store import Store
 from proxy_renderer.batch.worker import Setup
@@ -49,7 +49,7 @@ def run(cluster, plan, store, act=lambda told: None):
 
     pool = on_cluster(cluster.address)(store, Setup(SMALL, command=COMMAND), 0)
     try:
-        schedule.run(plan, store, pool, SMALL, tell)
+        command.carry_out(plan, store, pool, SMALL, tell)
     finally:
         pool.close()
     return told
@@ -64,7 +64,7 @@ def test_nodes_that_do_not_see_the_folder_send_their_files(cluster, tmp_path):
     with Store(tmp_path / "out") as store:
         store.token = "a folder that no node sees"
         told = run(cluster, plan, store)
-        rows = {row["prompt"]: row for row in store.rows(plan)}
+        rows = {row["prompt"]: row for row in map(store.row, plan)}
     assert [rows[p]["status"] for p in ("noir", "fails")] == ["done", "failed"]
     folder = tmp_path / "out" / rows["noir"]["folder"]
     assert {"after.png", "vibed.blend", "preset.json", "log.txt", "done.json"} <= {p.name for p in folder.iterdir()}
@@ -87,7 +87,7 @@ def test_a_node_that_dies_costs_nothing_and_one_that_comes_helps(cluster, tmp_pa
     plan = plan_of(*PROMPTS)
     with Store(tmp_path / "ray") as store:
         told = run(cluster, plan, store, replace_it)
-        assert {row["status"] for row in store.rows(plan)} == {"done"}
+        assert {row["status"] for row in map(store.row, plan)} == {"done"}
     done = [prompt for what, prompt in told if what == "done"]
     lost = [prompt for what, prompt in told if what == "lost"]
     assert sorted(done) == sorted(PROMPTS)

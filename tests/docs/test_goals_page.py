@@ -90,7 +90,7 @@ def written_anew(text: str) -> str:
 
 def explained() -> dict:
     """The goals of the example."""
-    return json.loads(account(PROMPT, as_json=False, as_goals=True))
+    return json.loads(account(PROMPT, "goals"))
 
 
 def examples() -> list[dict]:

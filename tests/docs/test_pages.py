@@ -45,7 +45,7 @@ def test_words_that_do_nothing_do_nothing():
     assert len(words) > 20
     for word in words:
         with pytest.raises(VibeError, match="names a look"):
-            account(word, as_json=False)
+            account(word)
 
 
 def test_examples_of_the_prompt_guide_are_understood():
@@ -53,7 +53,7 @@ def test_examples_of_the_prompt_guide_are_understood():
     examples = re.findall(r"`([^`]+)`", section)
     assert len(examples) > 9
     for example in examples:
-        assert "not used" not in account(example, as_json=False).split("Told to")[0]
+        assert "not used" not in account(example).split("Told to")[0]
 
 
 def test_the_example_of_a_preset_can_be_read():

@@ -6,10 +6,11 @@ from dataclasses import asdict, dataclass
 
 import pytest
 
-from proxy_renderer.batch.manifest_options import OptionReader, TomlSource
+from proxy_renderer.batch.manifest import OptionReader, TomlSource
 from proxy_renderer.cli.main import parser
 from proxy_renderer.schema import VibeError
-from proxy_renderer.schema.options import checks, command_line
+from proxy_renderer.schema.options import checks
+from proxy_renderer.schema.options import table as options_table
 from proxy_renderer.schema.options.table import HEADINGS, SUPPORT, TABLE, TASK, Options, Panel, option, rows
 
 
@@ -27,7 +28,7 @@ LONGER = (*TASK, *rows(Sparkling), *SUPPORT)
 
 def read(*argv, table=LONGER):
     command = argparse.ArgumentParser(prog="p")
-    command_line.add_options(command, HEADINGS, table)
+    options_table.add_options(command, HEADINGS, table)
     return command.parse_args(argv), command.format_help()
 
 
@@ -36,7 +37,7 @@ def test_the_command_line_has_it_with_its_help_and_default():
     assert given.sparkle == 5
     assert read()[0].sparkle == 3
     assert "how much it sparkles (default: 3)" in " ".join(text.split())
-    assert "--sparkle=5" in command_line.to_arguments(given, LONGER)
+    assert "--sparkle=5" in options_table.to_arguments(given, LONGER)
     with pytest.raises(SystemExit):
         read("--sparkle", "5", table=TABLE)
 
@@ -81,12 +82,12 @@ def test_what_vibe_run_hands_over_means_the_same_on_the_other_side():
     checks.numbers(given)
     names = [row.name for row in TABLE if row.blender and row.name != "effort"]
     assert all(getattr(given, row.name) != row.command_default for row in TABLE if row.name in names)
-    again, _ = read(*command_line.to_arguments(given), table=[row for row in TABLE if row.blender])
+    again, _ = read(*options_table.to_arguments(given), table=[row for row in TABLE if row.blender])
     assert {name: getattr(again, name) for name in names} == {name: getattr(given, name) for name in names}
 
 
 def test_the_engine_is_told_what_the_command_line_says():
     given, _ = read("--rounds=7", "--lock=world", "--no-anchor", "--grade-each", table=TABLE)
     checks.numbers(given)
-    told = command_line.engine_options(given, camera=True, online=False)
+    told = options_table.engine_options(given, camera=True, online=False)
     assert told == Options(rounds=7, lock=("world",), anchor=False, grade_each=True, camera=True, online=False)

@@ -102,8 +102,8 @@ def test_each_thing_has_a_caption_of_its_own():
 
 
 def test_a_light_that_is_named_outshines_the_light_of_a_mood():
-    neon = json.loads(account("rainy night", as_json=True))["plan"]["light/Key/color"]
-    lamps = json.loads(account("rainy night, street lamps", as_json=True))["plan"]["light/Key/color"]
+    neon = json.loads(account("rainy night", "json"))["plan"]["light/Key/color"]
+    lamps = json.loads(account("rainy night, street lamps", "json"))["plan"]["light/Key/color"]
     assert "neon" in neon["reason"]
     assert "neon" not in lamps["reason"]
 

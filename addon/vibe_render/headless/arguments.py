@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command line of batch.py: its arguments, and what it prints. No bpy here."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import os
@@ -13,17 +11,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NoReturn
 
-from ..core.schema_import import checks, command_line, errors, messages, options, schema
+from ..core.schema_import import checks, errors, messages, options, schema
 
-_COMMANDS = {
-    "run": ("scene",),
-    "demo": (),
-    "export": ("scene",),
-    "apply": ("preset", "scene"),
-    "revert": ("scene",),
-    "frames": ("scene",),
-    "serve": (),
-}
+_COMMANDS = {  # command -> the words that follow it
+    "run": ("scene",), "demo": (), "export": ("scene",), "apply": ("preset", "scene"), "revert": ("scene",),
+    "frames": ("scene",), "serve": (),
+}  # fmt: skip
 
 
 class _Parser(argparse.ArgumentParser):
@@ -51,18 +44,14 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
         for name, word in zip(names, args.words[1:]):  # noqa: B905  those of several follow
             setattr(args, name, word)
     args.scenes = args.words[1:] if args.command == "run" and args.words else [args.scene]
-    args.cameras, args.frames = _listed(args.cameras), schema.frame_numbers(args.frames)
+    cameras = (name.strip() for part in args.cameras for name in part.split(","))  # a name may contain spaces
+    args.cameras, args.frames = list(dict.fromkeys(filter(None, cameras))), schema.frame_numbers(args.frames)
     checks.numbers(args)
     if args.command in ("run", "demo"):
         args.moments = checks.moments(args)
         if not (args.moments or args.markers):
             checks.prompt(args.prompt, args.like, args.goals, args.then)
-        checks.steady(args)
-        if max(map(len, (args.scenes, args.cameras, args.frames))) > 1:
-            one = next((name for name in ("then", "check_every", "offset_keys") if getattr(args, name)), "")
-            if one:
-                flag = options.named(one).flag
-                raise schema.VibeError(f"{flag} is for one shot.", "Leave out more scenes, --cameras and --frames.")
+        checks.shots(args, several=max(map(len, (args.scenes, args.cameras, args.frames))) > 1)
         args.groups = checks.groups(args.groups)
         checks.locks(args.lock)
         checks.targets(args.target)
@@ -80,28 +69,15 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="batch.py", description="Vibe Render inside Blender, without a window.")
     add = parser.add_argument
-    commands = "run SCENE | demo | export SCENE | apply PRESET SCENE | revert FILE"
-    add("words", nargs="*", metavar="WORD", help=commands)
+    add("words", nargs="*", metavar="WORD", help="run SCENE | demo | export SCENE | apply PRESET SCENE | revert FILE")
     add("--events", action="store_true", help="print events for the vibe command")
     add("--names-only", action="store_true", help="export: no textures and no world, for `vibe explain`")
-    preset = "apply a preset instead: a file, or a name"
-    add("--apply", dest="preset", default="", metavar="PRESET", help=preset)
+    add("--apply", dest="preset", default="", metavar="PRESET", help="apply a preset instead: a file, or a name")
     add("--revert", action="store_true", help="take every vibe out of the file again, in place")
     add("--out", type=Path, default=None, metavar="DIR", help="folder for what is written")
     add("--engine", default="", metavar="PYTHON", help="Python that has the engine")
-    table = [option for option in options.TABLE if option.blender]
-    command_line.add_options(parser, options.HEADINGS, table)
+    options.add_options(parser, options.HEADINGS, [option for option in options.TABLE if option.blender])
     return parser
-
-
-def arguments_of_process() -> list[str]:
-    """The arguments of this process: those after "--" if there is one (Blender runs batch.py), otherwise all."""
-    return sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
-
-
-def _listed(given: Sequence[str]) -> list[str]:
-    """The distinct names in "A,B" lists; a name may contain spaces."""
-    return list(dict.fromkeys(name.strip() for part in given for name in part.split(",") if name.strip()))
 
 
 class Reporter:

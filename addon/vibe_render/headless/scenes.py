@@ -1,14 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Opens the scenes that the command line names and saves them elsewhere; lists the shots of a vibe, which share a look.
-
-Where Blender is a Python module, fluid simulations abort it or write caches next to the scene. There they are switched
-off as long as a file is open.
-"""
-
-from __future__ import annotations
+"""Opens the scenes that the command line names and saves them elsewhere; lists the shots of a vibe, which share a look."""
 
 import argparse
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from copy import copy
 from dataclasses import dataclass, replace
@@ -16,7 +10,6 @@ from itertools import product
 from pathlib import Path
 
 import bpy
-from mathutils import Vector
 
 from ..core import compat, files, rendered
 from ..core.schema_import import limits, schema
@@ -28,8 +21,9 @@ from ..scene.steps import Change
 from ..scene.subject import SubjectChoice
 from .arguments import Reporter
 
+# Where Blender is a Python module, fluid simulations abort it or write caches next to the scene. There they are switched
+# off as long as a file is open: object, modifier, shown in viewport, shown in renders.
 _fluids: list[tuple[str, str, bool, bool]] = []
-"""Fluid modifiers of the open file that are switched off: object, modifier, shown in viewport, shown in renders."""
 
 
 def open_scene(args: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.Scene, SubjectChoice, bool]:
@@ -41,8 +35,7 @@ def open_scene(args: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.
         return build_demo(), SubjectChoice(chosen or (DEMO_SUBJECT,)), False
     if path and path.suffix.lower() in limits.MESH_FORMATS:
         reporter.stage(f"staging {path.name}")
-        scene = build_stage(path, args.stage)
-        return scene, SubjectChoice(chosen, selected=not chosen), True
+        return build_stage(path, args.stage), SubjectChoice(chosen, selected=not chosen), True
     if path:
         reporter.stage(f"opening {path.name}")
         open_blend(path)
@@ -70,12 +63,6 @@ def save_blend(path: Path) -> None:
             bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, relative_remap=True, check_existing=False)
     except RuntimeError as error:
         raise files.unwritable(path, error, "Make room there, or choose another --out.") from error
-
-
-def fluid_note() -> str:
-    """A note for the artist that names the fluids that are switched off; "" if there are none."""
-    names = ", ".join(dict.fromkeys(f'"{name}"' for name, *_ in _fluids))
-    return names and f"The fluid simulation of {names} is left out of the pictures: vibe it inside Blender."
 
 
 @contextmanager
@@ -116,16 +103,6 @@ class RequestedShot:
     name: str = ""  # for people, such as "Close · frame 50"; "" for a single shot
 
 
-def shots_of(args: argparse.Namespace) -> list[RequestedShot]:
-    """The shots that the command line asks for: every scene, through each camera, at each frame."""
-    shots = []
-    for scene, camera, frame in product(args.scenes, args.cameras or [""], args.frames or [None]):
-        stem = Path(scene).stem if len(args.scenes) > 1 else ""
-        moment = "" if frame is None else f"frame {frame}"
-        shots.append(RequestedShot(scene, camera, frame, " · ".join(filter(None, (stem, camera, moment)))))
-    return shots if len(shots) > 1 else [replace(shots[0], name="")]
-
-
 class Framing:
     """Sets the camera and frame of a scene; remembers camera, frame and camera markers as they were at first."""
 
@@ -159,24 +136,23 @@ class Framing:
 
 
 class ShotList:
-    """The shots in order, with those of the same .blend next to each other. One shot is open at a time.
-
-    Attributes:
-        jobs: The exported job of each shot.
-        subjects: For each shot, the names of the objects of its subject.
-        bare: Whether the first shot is a mesh file, not a .blend.
-        choice: How the subject of the open scene is chosen.
-    """
+    """Every scene of a command line, through each camera, at each frame. One shot is open at a time."""
 
     def __init__(self, args: argparse.Namespace, folder: Path, reporter: Reporter, change: Change) -> None:
         self._args, self._folder, self._reporter, self._change = args, folder, reporter, change
-        self.shots = shots_of(args)
-        self.jobs: list[SceneJob] = []
-        self.bare = False
+        self.shots: list[RequestedShot] = []  # those of the same .blend are next to each other
+        for scene, camera, frame in product(args.scenes, args.cameras or [""], args.frames or [None]):
+            stem = Path(scene).stem if len(args.scenes) > 1 else ""
+            moment = "" if frame is None else f"frame {frame}"
+            self.shots.append(RequestedShot(scene, camera, frame, " · ".join(filter(None, (stem, camera, moment)))))
+        if len(self.shots) == 1:
+            self.shots = [replace(self.shots[0], name="")]
+        self.jobs: list[SceneJob] = []  # the exported job of each shot
+        self.subjects: list[set[str]] = []  # for each shot, the names of the objects of its subject
+        self.bare = False  # whether the first shot is a mesh file, not a .blend
+        self.choice = SubjectChoice()  # how the subject of the open scene is chosen
         self._open: str | None = None
         self._framing: Framing | None = None
-        self.choice = SubjectChoice()
-        self.subjects: list[set[str]] = []
         self._fog: dict[str, fog.FogDomain] = {}
 
     def __len__(self) -> int:
@@ -192,15 +168,23 @@ class ShotList:
             scene, choice = self._shown(number)
             first = self.siblings(number)[0]
             around = self.jobs[first].analysis if first < number else None
-            eyes = self._eyes(scene, number) if around is None else ()
+            # The fog box of several shots of a .blend is around all of their camera positions.
+            eyes = []
+            if around is None and scene.camera and len(self.siblings(number)) > 1:
+                for each in reversed(self.siblings(number)):  # backwards: the first shot is the one that stays set
+                    self._shown(each)
+                    rendered.layer(scene).update()
+                    eyes.append(scene.camera.matrix_world.translation.copy())
             folder = self._folder / str(number)
             self._reporter.stage("reading the scene")
-            self.jobs.append(reading.export_scene(scene, folder, choice, around, eyes))
-            job = self.jobs[-1]
-            notes = [note] if (note := fluid_note()) else []
-            job.warnings[:0] = notes
-            for line in [*job.view_notes, *notes]:
+            job = reading.export_scene(scene, folder, choice, around, eyes)
+            self.jobs.append(job)
+            for line in job.view_notes:
                 self._reporter.note(line)
+            if fluids := ", ".join(dict.fromkeys(f'"{name}"' for name, *_ in _fluids)):
+                note = f"The fluid simulation of {fluids} is left out of the pictures: vibe it inside Blender."
+                job.warnings.insert(0, note)
+                self._reporter.note(note)
             self.subjects.append({o.name_full for o in job.analysis.objects})
             if planned := fog.planned_fog_box(scene):
                 self._fog[shot.scene] = planned
@@ -242,15 +226,3 @@ class ShotList:
         if opens and self._args.offset_keys:
             own_keys.hold(bpy.context.scene)
         return bpy.context.scene, self.choice
-
-    def _eyes(self, scene: bpy.types.Scene, number: int) -> Sequence[Vector]:
-        """Camera positions of all shots of a .blend, for a fog box around them; empty for a single shot."""
-        others = self.siblings(number)
-        if len(others) < 2 or scene.camera is None:
-            return ()
-        eyes = []
-        for each in reversed(others):  # backwards: the first shot is the one that stays set
-            self._shown(each)
-            rendered.layer(scene).update()
-            eyes.append(scene.camera.matrix_world.translation.copy())
-        return eyes

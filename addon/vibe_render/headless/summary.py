@@ -1,20 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The results of a vibe: report.json, and closing lines. Of bpy, only the version and the file's name are read."""
+"""The measurements of a vibe for report.json, and its closing lines."""
 
-from __future__ import annotations
-
-import argparse
-import os
-import time
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
-
-import bpy
 
 from ..core.schema_import import labels, messages, schema
 from ..export.job_folder import copied_values
-from ..export.notes import shortened_notes
 from ..render.light_groups import LightLayer
 from ..run.notes import CheckedFrame, frame_line, model_lines, steady_line, verdict_lines, word_notes
 from ..scene.nodes.mix import PASS
@@ -23,61 +14,10 @@ from .scenes import ShotList
 _SHOWN = 8
 
 
-def report_fields(
-    args: argparse.Namespace,
-    shot_list: ShotList,
-    result: messages.Result,
-    measured: Sequence[messages.Finished],
-    skipped: dict[str, str],
-    stopwatch: Stopwatch,
-) -> dict[str, Any]:
-    """The content of report.json: the engine's report and Blender's. Measurements of several shots are averaged."""
-    fields = dict(result.report)
-    timings = {**stopwatch.seconds, **{f"engine: {k}": v for k, v in fields.pop("timings", {}).items()}}
-    versions = {**fields.pop("versions", {}), "blender": bpy.app.version_string}
-    return {
-        **fields,
-        "scene": os.path.basename(args.scene or bpy.data.filepath) or args.command,
-        "subject": sorted(shot_list.subjects[0]),
-        **_measurements(measured),
-        **({"shots": _shots(args, shot_list, measured)} if len(shot_list) > 1 else {}),
-        "stopped": result.stopped,
-        "not_written": skipped,
-        "warnings": _warnings(shot_list, result),
-        "timings": {**timings, "total": round(sum(stopwatch.seconds.values()), 2)},
-        "versions": versions,
-    }
-
-
-def _shots(
-    args: argparse.Namespace, shot_list: ShotList, measured: Sequence[messages.Finished]
-) -> list[dict[str, Any]]:
-    """Rows of report.json for several shots: file names and measurements."""
-    return [
-        {
-            "name": shot.name,
-            "scene": Path(shot.scene).stem,
-            "blend": blend_of(args, shot_list, number),
-            "camera": shot.camera,
-            "frame": shot.frame,
-            "before": numbered("before.png", number),
-            "after": numbered("after.png", number),
-            **_measurements([each]),
-        }
-        for number, (shot, each) in enumerate(zip(shot_list.shots, measured, strict=True))
-    ]
-
-
 def light_rows(file: str, layers: Sequence[LightLayer]) -> dict[str, dict[str, list[str]]]:
     """File name -> pass name -> names of its lights, for a file of light layers; empty without layers."""
     rows = {PASS + layer.name: [member.name for member in layer.members] for layer in layers}
     return {file: rows} if rows else {}
-
-
-def blend_of(args: argparse.Namespace, shot_list: ShotList, number: int) -> str:
-    """The name of the .blend that a shot is saved in: its own with `--grade-each`, else its scene's."""
-    scenes = list(dict.fromkeys(args.scenes))
-    return numbered("vibed.blend", number if args.grade_each else scenes.index(shot_list.shots[number].scene))
 
 
 def numbered(name: str, number: int) -> str:
@@ -86,7 +26,7 @@ def numbered(name: str, number: int) -> str:
     return f"{stem}-{number + 1}.{kind}" if number else name
 
 
-def _measurements(measured: Sequence[messages.Finished]) -> dict[str, Any]:
+def measurements(measured: Sequence[messages.Finished]) -> dict[str, Any]:
     """Means of the shots' measurements, and the first shot's claims and verdicts; `delta_e` is of the shown prediction."""
     rows = [each.prediction for each in measured]
     names = [name for name in rows[0] if all(name in row for row in rows)]
@@ -108,18 +48,16 @@ def _mean(rows: Sequence[dict[str, float]]) -> dict[str, float]:
     return {key: round(sum(row[key] for row in rows) / len(rows), 4) for key in keys}
 
 
-def _warnings(shot_list: ShotList, result: messages.Result) -> list[str]:
-    """Notes on what the prediction leaves out, for the artist."""
-    ours = [warning for job in shot_list.jobs for warning in job.warnings]
-    return shortened_notes([*ours, *result.report.get("anchored", {}).get("notes", [])])
-
-
 def closing_lines(
-    shot_list: ShotList, result: messages.Result, measured: Sequence[messages.Finished], skipped: dict[str, str]
+    shot_list: ShotList,
+    result: messages.Result,
+    measured: Sequence[messages.Finished],
+    report: dict[str, Any],
+    sequence: Sequence[CheckedFrame],
 ) -> list[str]:
-    """The lines to print at the end of a vibe; see `report_fields` for the arguments."""
-    values = {k: v for k, v in result.values.items() if k not in skipped}
-    notes = [*word_notes(result.report)[:6], *_warnings(shot_list, result)]
+    """The lines to print at the end of a vibe: what report.json (`report`) says, and the frames that were checked."""
+    values = {k: v for k, v in result.values.items() if k not in report["not_written"]}
+    notes = [*word_notes(report)[:6], *report["warnings"]]
     own = shot_list.jobs[0].before
     lines = [f"Note: {note}" for note in notes] + change_lines(own | copied_values(own, values), values)
     if result.variants:
@@ -130,32 +68,14 @@ def closing_lines(
         s, who = each.similarity, f"{shot.name}: " if len(shot_list) > 1 else ""
         if result.report["prompt"].strip():
             lines.append(f"{who}Similarity to the words {s['before']:.3f} -> {s['after']:.3f}.")
-        lines.append(f"{who}The prediction differs from Cycles by {_apart(each.prediction['shown'])}.")
-    return lines
-
-
-def sequence_rows(frames: Sequence[CheckedFrame]) -> list[dict[str, Any]]:
-    """Rows of report.json for checked frames."""
-    return [
-        {"frame": each.frame, "lost": each.lost} | ({"note": each.note} if each.note else {"verdicts": each.verdicts})
-        for each in frames
-    ]
-
-
-def sequence_lines(rows: Sequence[CheckedFrame]) -> list[str]:
-    """A line for each checked frame with a note or a word that is no longer visible; if there is none, a single line."""
-    lines = [line for each in rows if (line := frame_line(each))]
-    if lost := [str(each.frame) for each in rows if each.lost]:
-        lines.append(
-            f"To search one look for them too, add --steady, or --frames {','.join(lost)} with the frame above."
-        )
-    return lines or list(filter(None, [steady_line(rows)]))
-
-
-def _apart(figures: dict[str, float]) -> str:
-    """A difference as text: "0.6 CIEDE2000 (subject 0.4, 95th percentile 1.7)"."""
-    subject = f"subject {figures['subject']:.1f}, " if "subject" in figures else ""
-    return f"{figures['mean']:.1f} CIEDE2000 ({subject}95th percentile {figures['p95']:.1f})"
+        error = each.prediction["shown"]
+        subject = f"subject {error['subject']:.1f}, " if "subject" in error else ""
+        apart = f"{error['mean']:.1f} CIEDE2000 ({subject}95th percentile {error['p95']:.1f})"
+        lines.append(f"{who}The prediction differs from Cycles by {apart}.")
+    lines += [line for each in sequence if (line := frame_line(each))]
+    if lost := ",".join(str(each.frame) for each in sequence if each.lost):
+        lines.append(f"To search one look for them too, add --steady, or --frames {lost} with the frame above.")
+    return lines + [line for line in [steady_line(sequence)] if line]
 
 
 def change_lines(instances: dict[str, schema.Instance], values: dict[str, Any]) -> list[str]:
@@ -172,19 +92,5 @@ def change_lines(instances: dict[str, schema.Instance], values: dict[str, Any]) 
         line = f"{labels.title(key)}: {labels.text(key, before)} -> {labels.text(key, after)}"
         rows.append((instance.distance(after), line))
     rows.sort(reverse=True)
-    more = [f"... and {len(rows) - _SHOWN} more"] if len(rows) > _SHOWN else []
-    return [line for _, line in rows[:_SHOWN]] + more
-
-
-class Stopwatch:
-    """The seconds of each stage of a run, by the stage's name."""
-
-    def __init__(self) -> None:
-        self.seconds: dict[str, float] = {}
-        self._last = time.monotonic()
-
-    def lap(self, name: str) -> None:
-        """Counts the seconds since the last call as time of this stage."""
-        now = time.monotonic()
-        self.seconds[name] = round(self.seconds.get(name, 0.0) + now - self._last, 2)
-        self._last = now
+    lines = [line for _, line in rows[:_SHOWN]]
+    return [*lines, f"... and {len(rows) - _SHOWN} more"] if len(rows) > _SHOWN else lines

@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A headless vibe: opens and exports the shots, has the engine find the look, renders, measures and saves."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import signal
 import socket
 import tempfile
 import threading
-from collections.abc import Callable, Generator
+import time
+from collections.abc import Generator
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -18,13 +17,13 @@ import bpy
 
 from ..core import preferences
 from ..core.files import Outputs
-from ..core.schema_import import command_line, messages, schema
+from ..core.schema_import import messages, options, schema
 from ..engine.process import Engine
 from ..export import notes
 from ..export.analysis import SceneAnalysis
 from ..looks import transfer
 from ..render import anchors, final_render
-from ..run.driver import Driver, drive
+from ..run.driver import Driver
 from ..run.notes import words_of
 from ..scene import bindings, own_keys
 from ..scene.steps import Change, Steps
@@ -32,41 +31,14 @@ from ..scene.subject import remember_subject
 from . import summary
 from .arguments import Reporter
 from .scenes import ShotList, save_blend
-from .summary import Stopwatch, numbered
+from .summary import numbered
 
-_SAMPLES_BEFORE = 16
-"""Samples of the render before the vibe, at most: it only serves for comparison, and is denoised."""
-
-
-def on_interrupt(act: Callable[[], Any]) -> None:
-    """Calls `act`, from a thread, at the first Ctrl-C or SIGTERM; a second one ends the process.
-
-    Python runs signal handlers only between its own instructions, so not while Cycles renders. Therefore signal numbers
-    are written to a socket, which a thread reads.
-    """
-    reading, writing = socket.socketpair()
-    writing.setblocking(False)
-    for number in (signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGBREAK", None)):
-        if number is not None:
-            signal.signal(number, lambda number, frame: None)
-    signal.set_wakeup_fd(writing.fileno(), warn_on_full_buffer=False)
-
-    def watch() -> None:
-        with writing:  # keeps the socket open while the thread reads
-            reading.recv(1)
-            act()
-            reading.recv(1)
-            os._exit(130)
-
-    threading.Thread(target=watch, daemon=True).start()
+_SAMPLES_BEFORE = 16  # at most, of the render before the vibe, which only serves for comparison, and is denoised
+_PAUSE = 0.02  # seconds between two looks at the engine, which needs the core
 
 
 class HeadlessVibe(Driver):
-    """One vibe of all shots of a command line.
-
-    Args:
-        shown: An image of the scene as it is, to use as *before.png*; None to render that.
-    """
+    """One vibe of all shots of a command line; `shown` is an image of the scene to use as before.png, None to render it."""
 
     def __init__(
         self,
@@ -78,7 +50,9 @@ class HeadlessVibe(Driver):
     ) -> None:
         self._temporary = tempfile.TemporaryDirectory(prefix="vibe-", ignore_cleanup_errors=True)
         super().__init__(engine, Path(self._temporary.name))
-        self._args, self._reporter, self._stopwatch = args, reporter, Stopwatch()
+        self._args, self._reporter = args, reporter
+        self._seconds: dict[str, float] = {}  # stage -> its duration
+        self._last_lap = time.monotonic()
         self._out = Outputs(args.out)
         self._shown = shown
         self._change = change or Change(Steps(), title=args.prompt, first=True)
@@ -93,47 +67,91 @@ class HeadlessVibe(Driver):
         """Runs the vibe to its end; returns the analysis of the last shot, whose scene has the new values."""
         with self._temporary:
             with self._out:
-                drive(self._run())
+                for _ in self._run():
+                    time.sleep(_PAUSE)
                 result = self._result
                 assert result is not None
-                fields = summary.report_fields(
-                    self._args, self._shots, result, self._measured, self._skipped, self._stopwatch
-                )
-                fields["steps"] = self._steps.rows()
-                if self._lights:
-                    fields["lights"] = self._lights
-                if self.sequence:
-                    fields["sequence"] = summary.sequence_rows(self.sequence)
-                self._out.write_json("report.json", fields)
-            lines = summary.closing_lines(self._shots, result, self._measured, self._skipped)
-            lines += summary.sequence_lines(self.sequence)
-            missed = words_of(self._measured[0].verdicts, "missed")
-            self._reporter.result(lines, result.stopped, missed)
+                report = self._report(result)
+                self._out.write_json("report.json", report)
+            lines = summary.closing_lines(self._shots, result, self._measured, report, self.sequence)
+            self._reporter.result(lines, result.stopped, words_of(self._measured[0].verdicts, "missed"))
         return self._shots.jobs[-1].analysis
+
+    def _report(self, result: messages.Result) -> dict[str, Any]:
+        """The content of report.json: the engine's report and Blender's. Measurements of several shots are averaged."""
+        args, measured, fields = self._args, self._measured, dict(result.report)
+        timings = {**self._seconds, **{f"engine: {k}": v for k, v in fields.pop("timings", {}).items()}}
+        versions = {**fields.pop("versions", {}), "blender": bpy.app.version_string}
+        warnings = [warning for job in self._shots.jobs for warning in job.warnings]
+        shots = [
+            {
+                "name": shot.name, "scene": Path(shot.scene).stem, "blend": self._blend_of(number),
+                "camera": shot.camera, "frame": shot.frame, "before": numbered("before.png", number),
+                "after": numbered("after.png", number), **summary.measurements([each]),
+            }
+            for number, (shot, each) in enumerate(zip(self._shots.shots, measured, strict=True))
+        ]  # fmt: skip
+        sequence = [
+            {"frame": each.frame, "lost": each.lost}
+            | ({"note": each.note} if each.note else {"verdicts": each.verdicts})
+            for each in self.sequence
+        ]
+        return {
+            **fields,
+            "scene": os.path.basename(args.scene or bpy.data.filepath) or args.command,
+            "subject": sorted(self._shots.subjects[0]),
+            **summary.measurements(measured),
+            **({"shots": shots} if len(shots) > 1 else {}),
+            "stopped": result.stopped,
+            "not_written": self._skipped,
+            "warnings": notes.shortened_notes([*warnings, *fields.get("anchored", {}).get("notes", [])]),
+            "timings": {**timings, "total": round(sum(self._seconds.values()), 2)},
+            "versions": versions,
+            "steps": self._steps.rows(),
+            **({"lights": self._lights} if self._lights else {}),
+            **({"sequence": sequence} if sequence else {}),
+        }
+
+    def _blend_of(self, number: int) -> str:
+        """The name of the .blend that a shot is saved in: its own with `--grade-each`, else its scene's."""
+        scenes = list(dict.fromkeys(self._args.scenes))
+        return numbered(
+            "vibed.blend", number if self._args.grade_each else scenes.index(self._shots.shots[number].scene)
+        )
+
+    def _lap(self, name: str) -> None:
+        """Counts the seconds since the last call as time of this stage."""
+        now = time.monotonic()
+        self._seconds[name] = round(self._seconds.get(name, 0.0) + now - self._last_lap, 2)
+        self._last_lap = now
 
     def _run(self) -> Generator[str]:
         """The vibe's steps: the search for the look, then every shot with it."""
         self._shots.export()
-        self._stopwatch.lap("open and export")
+        self._lap("open and export")
         several = len(self._shots) > 1
         shots = [
             messages.Shot(str(job.folder), shot.name, shot.scene)
             for job, shot in zip(self._shots.jobs, self._shots.shots, strict=True)
         ]
         free_camera = self._shots.bare and not several
-        options = command_line.engine_options(self._args, camera=free_camera, online=preferences.online())
-        options = replace(options, goes_on=not self._change.first)
+        chosen = options.engine_options(self._args, camera=free_camera, online=preferences.online())
+        chosen = replace(chosen, goes_on=not self._change.first)
         words, others = self._args.prompt, shots if several else []
-        self._ask(messages.Vibe(schema.schema_hash(), shots[0].job, words, asdict(options), shots=others))
+        self._ask(messages.Vibe(schema.schema_hash(), shots[0].job, words, asdict(chosen), shots=others))
         # Render before.png while the engine works. Backwards, because the last shot is still open.
         for number in reversed(range(len(self._shots))):
-            scene = self._before(number)
+            if self._shown:
+                self._out.copy("before.png", self._shown)
+                scene = self._shots.show(number).analysis.scene
+            else:
+                scene = self._render(number, "before.png", min(self._args.samples, _SAMPLES_BEFORE))
             if final_render.is_black(self._out.path(numbered("before.png", number))):
                 notes.check_shows(scene, self._shots.jobs[number].filling, lit=True)
                 self._unlit |= number == 0
-        self._stopwatch.lap("render before")
+        self._lap("render before")
         result = yield from self._answer(messages.Result)
-        self._stopwatch.lap("wait for the engine")
+        self._lap("wait for the engine")
         for number in range(len(self._shots)):
             yield from self._finish_shot(number, result)
         if self._args.check_every:
@@ -163,7 +181,7 @@ class HeadlessVibe(Driver):
         if args.figures:
             mask = out.path(numbered("mask.png", number))
             final_render.render_mask(analysis.scene, mask, args.size, analysis.objects)
-        self._stopwatch.lap("render after")
+        self._lap("render after")
         # The engine writes compare.png outside `out`: a failure empties `out` while the engine may still write.
         before, after = (str(out.path(numbered(name, number))) for name in ("before.png", "after.png"))
         folder = Path(shots.jobs[number].folder)
@@ -178,24 +196,23 @@ class HeadlessVibe(Driver):
             if not args.grade_each:
                 shots.restore()
             own_keys.release(analysis.scene)
-            save_blend(out.path(summary.blend_of(args, shots, number)))
+            save_blend(out.path(self._blend_of(number)))
         self._measured.append((yield from self._answer(messages.Finished)))
         out.copy("compare.png", compared)
         if args.then:
             out.copy(f"step-{self._steps.shown}.png", out.path("after.png"))
         out.copy(numbered("predicted.png", number), folder / result.prediction)
-        self._stopwatch.lap("save and measure")
+        self._lap("save and measure")
 
     def _check_sequence(self) -> Generator[str]:
         """Checks frames of the scene with the look; saves an image of those where a word is no longer visible."""
-        job, args = self._shots.show(0), self._args
-        scene, seen = job.analysis.scene, words_of(self._measured[0].verdicts, "visible")
-        frames = range(scene.frame_start, scene.frame_end + 1, args.check_every)
-        yield from self._check_frames(scene, frames, seen, self._shots.choice, args.seed, job.analysis)
+        analysis, args, verdicts = self._shots.show(0).analysis, self._args, self._measured[0].verdicts
+        choice = self._shots.choice
+        yield from self._check_frames(analysis.scene, args.check_every, verdicts, choice, args.seed, analysis)
         if pictures := [each.picture for each in self.sequence if each.picture and each.lost]:
             final_render.join_pictures(pictures, self._out.path("sequence.png"))
         self._shots.restore()
-        self._stopwatch.lap("check the sequence")
+        self._lap("check the sequence")
 
     def _show_frame(self, frame: int) -> None:
         self._reporter.stage(f"checking frame {frame}")
@@ -208,8 +225,7 @@ class HeadlessVibe(Driver):
         """
         if not result.shots:
             return result.values
-        siblings = self._shots.siblings(number)
-        values = {key: value for i in siblings for key, value in result.shots[i].items()}
+        values = {key: value for i in self._shots.siblings(number) for key, value in result.shots[i].items()}
         if not self._args.grade_each:
             return values
         instances = self._shots.jobs[number].instances
@@ -227,13 +243,6 @@ class HeadlessVibe(Driver):
         steps.add(self._change, before, written, reasons, result.report["goals"])
         steps.store(job.analysis.scene)
 
-    def _before(self, number: int) -> bpy.types.Scene:
-        """Renders a shot's before.png, or copies the given image; returns the shot's scene."""
-        if not self._shown:
-            return self._render(number, "before.png", min(self._args.samples, _SAMPLES_BEFORE))
-        self._out.copy("before.png", self._shown)
-        return self._shots.show(number).analysis.scene
-
     def _render(self, number: int, name: str, samples: int) -> bpy.types.Scene:
         """Renders a shot to a file ("after.png" also with its light layers, if requested); returns the shot's scene."""
         scene, args = self._shots.show(number).analysis.scene, self._args
@@ -250,13 +259,9 @@ class HeadlessVibe(Driver):
             job = self._shots.show(0)
             notes.check_shows(job.analysis.scene, job.filling, lit=False)
 
-    def _anchor_stage(self, request: messages.Anchor) -> str:
-        name = self._shots.shots[request.shot].name
-        stage = f"comparing with Cycles, render {request.number}{f', {name}' if name else ''}"
-        self._reporter.stage(stage)
-        return stage
-
     def _anchor(self, request: messages.Anchor) -> messages.Anchored:
+        name = self._shots.shots[request.shot].name
+        self._reporter.stage(f"comparing with Cycles, render {request.number}{f', {name}' if name else ''}")
         job = self._shots.show(request.shot)
         analysis = job.analysis
         return anchors.answer_anchor(analysis.scene, job.folder, request, analysis.objects, analysis.pivot)
@@ -264,10 +269,22 @@ class HeadlessVibe(Driver):
 
 def run_one(vibe: HeadlessVibe, queue: list[Any]) -> SceneAnalysis:
     """Runs a vibe as `HeadlessVibe.run`; Ctrl-C ends its search early, and empties `queue`, the work that was to follow."""
+    # Python runs signal handlers only between its own instructions, so not while Cycles renders. Therefore signal numbers
+    # are written to a socket, which a thread reads.
+    reading, writing = socket.socketpair()
+    writing.setblocking(False)
+    for number in (signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGBREAK", None)):
+        if number is not None:
+            signal.signal(number, lambda number, frame: None)
+    signal.set_wakeup_fd(writing.fileno(), warn_on_full_buffer=False)
 
-    def stop() -> None:
-        queue.clear()
-        vibe.stop()
+    def watch() -> None:
+        with writing:  # keeps the socket open while the thread reads
+            reading.recv(1)
+            queue.clear()
+            vibe.stop()
+            reading.recv(1)
+            os._exit(130)  # a second Ctrl-C
 
-    on_interrupt(stop)
+    threading.Thread(target=watch, daemon=True).start()
     return vibe.run()

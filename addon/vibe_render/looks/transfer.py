@@ -237,7 +237,8 @@ def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectCho
             bindings.write(scene, dark, subject, pivot)
             # no reasons: the preset's name is above the list of changes
             as_result = messages.Result(fitted.values, {}, "")
-            result.apply(scene, look.prompt or look.name, as_result, subject, pivot, fresh_list=True)
+            settings.changes.clear()
+            result.apply(scene, look.prompt or look.name, as_result, subject, pivot)
     except BaseException:
         settings.show_original = shown
         raise

@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The driver of a vibe: generators that talk to the engine, and yield the present stage, in words, whenever they wait.
 
-The panel advances them by a timer, so that Blender stays usable between two steps; without a window, `drive` does so.
+The panel advances them by a timer, so that Blender stays usable between two steps; without a window, a loop does so.
 """
-
-from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -27,7 +25,6 @@ from .notes import CheckedFrame, words_of
 
 LOOKING = "Optimizing"
 ANCHORING = "Comparing with Cycles"
-_PAUSE = 0.02  # seconds between two steps of `drive`: the engine needs the core
 _SIZE, _SAMPLES = 256, 16  # longer side in pixels, and samples, of the images of checked frames
 
 T = TypeVar("T")
@@ -35,33 +32,21 @@ _Answer = TypeVar("_Answer", messages.Result, messages.Finished, messages.Checke
 
 
 class Driver:
-    """One vibe as the engine works on it: sends requests, takes answers, keeps what the engine has reported.
+    """One vibe as the engine works on it: sends requests, takes answers, keeps what the engine has reported."""
 
-    Attributes:
-        patience: Seconds without a message after which the engine is ended.
-        stage: The present stage, in words.
-        progress: The newest progress message.
-        before: The engine's image of the scene before the vibe.
-        look: The newest look that is shown in the scene before the result.
-        words: Look word to whether it is visible on that look's image.
-        preview: The newest image of the look.
-        variants: The variants, the best first, each with its image; empty unless several were requested.
-        sequence: The frames at which the result was checked.
-    """
-
-    patience = math.inf
+    patience = math.inf  # seconds without a message after which the engine is ended
 
     def __init__(self, engine: Engine, job: Path) -> None:
-        self._engine = engine
-        self.stage = "Starting the engine"
-        self.progress: messages.Progress | None = None
-        self.before: Path | None = None
-        self.look: messages.LookSoFar | None = None
-        self.words: dict[str, bool] = {}
-        self.preview: Path | None = None
+        self._engine, self._job = engine, job
+        self.stage = "Starting the engine"  # the present stage, in words
+        self.progress: messages.Progress | None = None  # the newest progress message
+        self.before: Path | None = None  # the engine's image of the scene before the vibe
+        self.look: messages.LookSoFar | None = None  # the newest look that is shown in the scene before the result
+        self.words: dict[str, bool] = {}  # look word -> whether it is visible on that look's image
+        self.preview: Path | None = None  # the newest image of the look
+        # the variants, the best first, each with its image; empty unless several were requested
         self.variants: list[tuple[messages.Variant, Path]] = []
-        self.sequence: tuple[CheckedFrame, ...] = ()
-        self._job = job
+        self.sequence: tuple[CheckedFrame, ...] = ()  # the frames at which the result was checked
         self._result: messages.Result | None = None
         self._last_word_at = 0.0  # time of the engine's last message; 0 before the first request
         self._stopping = False
@@ -83,11 +68,6 @@ class Driver:
         return time.monotonic() - self._last_word_at if self.asked and not self._result else 0.0
 
     @property
-    def can_stop(self) -> bool:
-        """True if the search has begun and is not stopping: then `stop` gives its best look so far."""
-        return self.progress is not None and not self._stopping
-
-    @property
     def report(self) -> Mapping[str, Any]:
         """The fields of report.json that the engine knows; empty before the result."""
         return self._result.report if self._result else {}
@@ -96,11 +76,6 @@ class Driver:
     def prediction_error(self) -> float | None:
         """Mean CIEDE2000 between the last prediction and the anchor after it; None without anchors."""
         return self.report.get("anchored", {}).get("predicted")
-
-    @property
-    def anchor_notes(self) -> list[str]:
-        """Failures of anchors, in words for the artist."""
-        return self.report.get("anchored", {}).get("notes", [])
 
     def receive(self, message: messages.Message) -> None:
         """Updates the attributes from a message of the engine."""
@@ -124,24 +99,18 @@ class Driver:
             self.variants = [(v, self._job / v.picture) for v in message.variants]
 
     def stop(self) -> None:
-        """Asks the engine to end the search with the best look so far.
-
-        Any thread may call this. Before the first request, the stop is sent right after it.
-        """
+        """Asks the engine to end the search with the best look so far; any thread may call this."""
         self.stage, self._stopping = "Stopping", True
-        if self.asked:
+        if self.asked:  # else `_ask` sends it after the first request
             self._engine.send(messages.Stop())
 
     def _ready_engine(self) -> Generator[str]:
         """Starts the engine if it does not run, and waits until it has ended an abandoned vibe."""
-        yield from self._start_engine()
-        while not self._engine.settle():
-            yield self.stage
-        yield from self._start_engine()  # if that vibe did not end, the engine was ended
-
-    def _start_engine(self) -> Generator[str]:
-        if not self._engine.alive:
-            yield from self._in_background(self._engine.start)
+        for _ in range(2):  # if that vibe does not end, the engine is ended, and starts again
+            if not self._engine.alive:
+                yield from self._in_background(self._engine.start)
+            while not self._engine.settle():
+                yield self.stage
 
     def _in_background(self, act: Callable[[], T]) -> Generator[str, None, T]:
         """Runs a function in a thread, yields until it ends, and returns its result; it must not touch Blender's data."""
@@ -171,7 +140,7 @@ class Driver:
                 # A search that is stopping waits for no anchor.
                 if isinstance(message, messages.Anchor) and not self._stopping:
                     # The render blocks Blender for about a second, so the stage is shown first.
-                    self.stage = self._anchor_stage(message)
+                    self.stage = ANCHORING
                     yield self.stage
                     self._engine.send(self._anchor(message))
                     self._last_word_at = time.monotonic()
@@ -187,13 +156,8 @@ class Driver:
         """Raises VibeError, and ends the engine, if it has been silent for longer than `patience`."""
         if self.silence > self.patience:
             self._engine.stop(patience=0.02)
-            raise schema.VibeError(
-                f"The engine has said nothing for {self.patience / 60:.0f} minutes, and was ended.",
-                f"Try again; if it happens again, see {self._engine.log}.",
-            )
-
-    def _anchor_stage(self, request: messages.Anchor) -> str:
-        return ANCHORING
+            problem = f"The engine has said nothing for {self.patience / 60:.0f} minutes, and was ended."
+            raise schema.VibeError(problem, f"Try again; if it happens again, see {self._engine.log}.")
 
     def _anchor(self, request: messages.Anchor) -> messages.Anchored:
         raise NotImplementedError
@@ -204,19 +168,20 @@ class Driver:
     def _check_frames(
         self,
         scene: Scene,
-        frames: Iterable[int],
-        seen: Iterable[str],
+        every: int,
+        verdicts: Sequence[Mapping[str, str]],
         choice: SubjectChoice,
         seed: int,
         first: SceneAnalysis | None = None,
     ) -> Generator[str]:
-        """Renders frames with and without the look, and has the engine measure the words; the scene stays as it is.
+        """Renders every so many frames with and without the look, and has the engine measure the words.
 
-        `seen` are the words that are visible at the frame where the look was found; `first` is the analysis there.
+        `verdicts` are those at the frame where the look was found, `first` is the analysis there. The scene stays as it is.
         """
         self.sequence, start, shown = (), scene.frame_current, keyframes.are_shown(scene)
+        seen = words_of(verdicts, "visible")
         try:
-            for frame in frames:
+            for frame in range(scene.frame_start, scene.frame_end + 1, every):
                 self._show_frame(frame)
                 yield self.stage
                 scene.frame_set(frame)
@@ -244,9 +209,3 @@ class Driver:
 
     def _show_frame(self, frame: int) -> None:
         self.stage = f"Checking frame {frame}"
-
-
-def drive(steps: Iterator[str]) -> None:
-    """Runs a generator of steps to its end, for runs without a window."""
-    for _ in steps:
-        time.sleep(_PAUSE)

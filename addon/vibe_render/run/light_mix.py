@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A light mix of the open scene: renders the light layers, mixes them, writes the mix to the scene or its compositor."""
 
-from __future__ import annotations
-
 import shutil
 import uuid
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import bpy
-from bpy.types import ID, Scene
+from bpy.types import Scene
 
 from ..core import rendered
 from ..core.color import Color
@@ -45,21 +45,15 @@ class MixChannel:
 
 
 class RenderedMix:
-    """The light layers of the scene's newest render.
-
-    Attributes:
-        uid: The scene's session uid.
-        channels: One channel for each light layer.
-        rendered: The file of the render, a PNG.
-        picture: The file of the present mix, a PNG.
-    """
+    """The light layers of the scene's newest render: one channel for each."""
 
     def __init__(self, scene: Scene) -> None:
         """Renders the scene with Cycles. Raises VibeError if it has no light, or the disk is full."""
         self.uid = scene.session_uid
         self._folder = Path(bpy.app.tempdir) / f"vibe-mix-{uuid.uuid4().hex[:8]}"
         self._folder.mkdir()
-        self.rendered, self.picture = self._folder / "rendered.png", self._folder / "mix.png"
+        self.rendered = self._folder / "rendered.png"
+        self.picture = self._folder / "mix.png"  # of the present mix
         lights = self._folder / "lights.exr"
         try:
             layers = final_render.render_picture(scene, self.rendered, _SIZE, _SAMPLES, lights=lights)
@@ -85,12 +79,20 @@ class RenderedMix:
 
 def _channels(scene: Scene, layers: Sequence[LightLayer]) -> list[MixChannel]:
     instances = bindings.instances(scene, (), (0.0, 0.0, 0.0), ("light", "material", "world"), everything=True)
-    worn = [_emitting(scene, layer) for layer in layers]
+    worn = []  # for each layer, the names of its emitting materials
+    for layer in layers:
+        things = [m for m in layer.members if isinstance(m, bpy.types.Object) and not light_groups.is_light(m)]
+        of = rendered.layer(scene)
+        materials = {material for thing in things for material in rendered.worn(thing, of) if material}
+        worn.append({material.name_full for material in materials if emitted_radiance(material) > 0.0})
+    # Lights that share their data have the first one's name in keys.
+    first = {light.data: light.name_full for light in reversed(light_groups.all_lights(scene))}
+    layers_with = Counter(chain.from_iterable(worn))
     channels = []
-    for number, layer in enumerate(layers):
-        elsewhere = set().union(*(worn[n] for n in range(len(layers)) if n != number))
-        owners = _light_owners(scene, layer) | {("material", name) for name in worn[number] - elsewhere}
+    for layer, glowing in zip(layers, worn, strict=True):
         has_world = rendered.world(scene) in layer.members
+        owners = {("light", first[m.data]) for m in layer.members if light_groups.is_light(m)}
+        owners |= {("material", name) for name in glowing if layers_with[name] == 1}
         owners |= {("world", "")} if has_world else set()
         values = {
             key: instance.value
@@ -99,24 +101,9 @@ def _channels(scene: Scene, layers: Sequence[LightLayer]) -> list[MixChannel]:
             and parts[2].removeprefix(_BACKDROP) in (*_POWERS, *_COLORS)
         }
         names = tuple(m.name for m in layer.members if isinstance(m, bpy.types.Object))
-        has_light = any(map(light_groups.is_light, layer.members))
-        icon = "WORLD" if has_world else "LIGHT" if has_light else "MATERIAL"
+        icon = "WORLD" if has_world else "LIGHT" if any(map(light_groups.is_light, layer.members)) else "MATERIAL"
         channels.append(MixChannel(layer.name, layer.title, icon, names, has_world, values))
     return channels
-
-
-def _light_owners(scene: Scene, layer: LightLayer) -> set[tuple[str, str]]:
-    """("light", name), as in keys, of each light of a layer; lights that share their data have the first one's name."""
-    first = {light.data: light.name_full for light in reversed(light_groups.all_lights(scene))}
-    return {("light", first[m.data]) for m in layer.members if light_groups.is_light(m)}
-
-
-def _emitting(scene: Scene, layer: LightLayer) -> set[str]:
-    """The names of the emitting materials of a layer."""
-    of = rendered.layer(scene)
-    glowing = [m for m in layer.members if isinstance(m, bpy.types.Object) and not light_groups.is_light(m)]
-    worn = {material for thing in glowing for material in rendered.worn(thing, of) if material}
-    return {material.name_full for material in worn if emitted_radiance(material) > 0.0}
 
 
 def mixed_values(values: Mapping[str, schema.Values], color: Color) -> dict[str, tuple[float, ...]]:
@@ -126,31 +113,24 @@ def mixed_values(values: Mapping[str, schema.Values], color: Color) -> dict[str,
     """
     factor = max(color)
     hue = tuple(c / factor for c in color) if factor > 0.0 else WHITE
-    powers = {_owner(key) for key in values if _kind(key) in _POWERS}
+    owners, is_power = {}, {}
+    for key in values:
+        group, name, kind = schema.split_key(key)
+        owners[key] = group, name, kind.startswith(_BACKDROP)
+        is_power[key] = kind.removeprefix(_BACKDROP) in _POWERS
+    have_power = {owners[key] for key in values if is_power[key]}
     mixed = {}
     for key, value in values.items():
-        if _kind(key) in _POWERS:
+        if is_power[key]:
             mixed[key] = tuple(v * factor for v in value)
         else:  # an owner without power, such as a world without nodes: its color gets the whole factor
-            by = hue if _owner(key) in powers else color
+            by = hue if owners[key] in have_power else color
             mixed[key] = tuple(v * c for v, c in zip(value, by, strict=True))
     return mixed
 
 
-def _kind(key: str) -> str:
-    return schema.split_key(key)[2].removeprefix(_BACKDROP)
-
-
-def _owner(key: str) -> tuple[str, str, bool]:
-    group, owner, name = schema.split_key(key)
-    return group, owner, name.startswith(_BACKDROP)
-
-
 def apply(scene: Scene, channels: Sequence[MixChannel], colors: Mapping[str, Color]) -> dict[str, str]:
-    """Writes a mix into the scene's values as a step; returns the keys that were left alone, and why.
-
-    `colors` are the factors of red, green and blue since the render, by channel.
-    """
+    """Writes a mix, factors of red, green and blue by channel, as a step; returns the keys left alone, and why."""
     values: dict[str, tuple[float, ...]] = {}
     for channel in channels:
         if channel.name in colors:
@@ -173,7 +153,11 @@ def write_nodes(scene: Scene, channels: Sequence[MixChannel], colors: Mapping[st
     with snapshot.transaction(scene) as journal:
         named = {}
         for channel in channels:
-            color, members = colors.get(channel.name, WHITE), _members(scene, channel)
+            color = colors.get(channel.name, WHITE)
+            # the channel's lights and objects that still exist, and its world
+            local: Any = ((name, None) for name in channel.objects)
+            objects = [bpy.data.objects.get(name) for name in local]
+            members = [m for m in (*objects, rendered.world(scene) if channel.world else None) if m]
             groups = {member.lightgroup for member in members}
             group = groups.pop() if len(groups) == 1 else ""
             if group not in layer.lightgroups:
@@ -184,10 +168,3 @@ def write_nodes(scene: Scene, channels: Sequence[MixChannel], colors: Mapping[st
                     journal.set(member, "lightgroup", group)
             named[group] = color
         mix.insert_mix(journal, scene, named)
-
-
-def _members(scene: Scene, channel: MixChannel) -> list[ID]:
-    """The lights and objects of a channel that still exist, and the world if the channel has it."""
-    local: Any = ((name, None) for name in channel.objects)
-    found = [bpy.data.objects.get(name) for name in local]
-    return [m for m in (*found, rendered.world(scene) if channel.world else None) if m]

@@ -1,31 +1,30 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live: the first look of the words so far, whenever an artist pauses in typing."""
-
-from __future__ import annotations
+"""Words that are being typed: Live shows their first look at each pause, and readings tell how each one is understood."""
 
 import time
 from collections.abc import Generator
+from contextlib import suppress
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 import bpy
 
+from ..core import rendered
 from ..core.schema_import import messages, schema
 from ..engine.process import Engine
+from ..export.reading import sketch_scene
 from ..scene import snapshot
 from .session import SceneSession, scene_settings
 
 _PAUSE = 0.3  # seconds without typing, after which a look is requested
-_SIZE = 96
-"""Longer side of Live's images, pixels: half of the size with which a search begins."""
+_SIZE = 96  # longer side of Live's images, pixels: half of the size with which a search begins
+_QUIET = 0.5  # seconds without a change of the scene, after which its words are read anew
+_Words = tuple[str, tuple[str, ...]]  # a prompt, and the artist's targets for its words, such as "copper=Cup"
 
 
 class Live(SceneSession):
-    """Looks of words that are still being typed.
-
-    The scene is exported once, and again after it has changed. It keeps nothing but the newest look, as a preview.
-    """
+    """Looks of words that are still being typed; the scene keeps nothing but the newest look, as a preview."""
 
     def __init__(self, context: bpy.types.Context, engine: Engine) -> None:
         super().__init__(context, engine)
@@ -77,7 +76,9 @@ class Live(SceneSession):
     def hand_over(self, session: SceneSession) -> None:
         """Hands the look over to a vibe of the same scene, which shows it until it has a better one."""
         self._pause()
-        session.take_over(self)
+        session.look, session.words, session.preview, session.before = self.look, self.words, self.preview, self.before
+        session._subject, session._pivot, session._shown = self._subject, self._pivot, self._shown
+        session._keyed, self._keyed = self._keyed, False
         self._forget_look()
 
     def clear(self) -> None:
@@ -122,10 +123,10 @@ class Live(SceneSession):
                 start = snapshot.mark(self._find_scene())
                 try:
                     yield from self._export()
-                finally:  # takes back what the export adds
+                finally:  # takes back what the export adds, unless an undo or another file has done so already
                     if scene_now := self._scene_if_there():
                         with self._without_look(scene_now):
-                            self._restore(start)
+                            snapshot.rollback(scene_now, start)
                 self._read = scene_settings(self._find_scene())
             if not self._due:
                 yield from self._glance()
@@ -146,3 +147,75 @@ class Live(SceneSession):
                         self.receive(message)
                         self.before = self._job / message.before
                         self._show(message)
+
+
+class WordReadings:
+    """The newest readings of a prompt's words: how the engine understands each of them.
+
+    They are read against the job folder that Live has exported (`live`; None if it is missing or stale), or else against
+    a sketch of the scene, which is made anew after a change.
+    """
+
+    def __init__(self) -> None:
+        self.newest = messages.Readings("")  # the engine's last answer; empty before the first
+        self._asked: _Words | None = None  # the words that the engine is reading; None for none
+        self._read: _Words = ("", ())
+        self._folder: Path | None = None  # of the sketch; None where the scene cannot be exported
+        self._sketched: tuple[Any, ...] | None = None  # settings of the scene; None if the sketch is stale
+        self._job = ""  # the job folder against which the newest readings were made
+        self._changed = 0.0  # time when the scene last changed
+
+    def due(self, scene: bpy.types.Scene, live: Path | None = None) -> bool:
+        """True if the prompt, with its targets, has not been read yet against the scene as it is now."""
+        words = scene.vibe.prompt, tuple(scene.vibe.target_pairs())
+        if self._asked is not None or words != self._read:
+            return True
+        # The words are read; they are due again if the scene has changed.
+        return bool(words[0]) and (self._job != str(live) if live else self._sketched != _settings(scene))
+
+    def scene_changed(self) -> None:
+        """Marks the sketch as stale."""
+        self._sketched, self._changed = None, time.monotonic()
+
+    def step(self, engine: Engine, scene: bpy.types.Scene, live: Path | None = None) -> bool:
+        """Takes readings that have arrived, and requests those that are due; never waits. True if some have arrived."""
+        arrived = engine.poll_readings()
+        if arrived:
+            self.newest, self._read, self._asked = arrived, self._asked or self._read, None
+        words = scene.vibe.prompt, tuple(scene.vibe.target_pairs())
+        is_quiet = time.monotonic() - self._changed > _QUIET
+        if self._asked is None and (words != self._read or (is_quiet and self.due(scene, live))):
+            prompt, targets = words
+            self._job = str(live or self._sketch(scene) or "") if prompt else ""
+            objects, lights = {}, {}
+            if not self._job:  # a scene that cannot be exported, such as one without a camera
+                for obj in sorted(rendered.shown(scene), key=lambda obj: obj.name):
+                    if obj.type in rendered.GEOMETRY:
+                        objects[obj.name] = [s.material.name for s in obj.material_slots if s.material]
+                    elif obj.type == "LIGHT":
+                        lights[obj.name] = obj.data.type
+            engine.send(messages.AskReadings(schema.schema_hash(), prompt, self._job, objects, lights, targets))
+            self._asked = words
+        return arrived is not None
+
+    def forget(self) -> None:
+        """Stops waiting for the readings that were requested last."""
+        self._asked = None
+
+    def _sketch(self, scene: bpy.types.Scene) -> Path | None:
+        """The folder of the sketch of the scene as it is now; None where it cannot be exported."""
+        settings = _settings(scene)
+        if self._sketched != settings:
+            self._folder = None
+            folder = Path(bpy.app.tempdir) / "vibe-words"
+            with suppress(Exception):  # a vibe reports the error; the words are read without a job folder
+                sketch_scene(scene, folder, scene.vibe.choice())
+                self._folder = folder
+            self._sketched = settings  # last: sketching updates the scene, which counts as a change
+        return self._folder
+
+
+def _settings(scene: bpy.types.Scene) -> tuple[Any, ...]:
+    """The scene's own settings that a sketch of it depends on."""
+    selected = tuple(o.name for o in scene.objects if o.select_get()) if scene.vibe.subject == "SELECTED" else ()
+    return scene.session_uid, *scene_settings(scene), selected

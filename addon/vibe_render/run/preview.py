@@ -9,8 +9,6 @@ Blender's temporary folder until Keep or Revert. There is one for each resolutio
 images with the same framing can be compared.
 """
 
-from __future__ import annotations
-
 import contextlib
 import shutil
 import zlib
@@ -81,7 +79,7 @@ def before_path(scene: Scene) -> Path:
     pose = [round(x, 4) for row in camera.matrix_world for x in row] if camera else []
     lens = round(camera.data.angle, 4) if camera else 0.0
     framing = zlib.crc32(repr((size, scene.frame_current, pose, lens)).encode())
-    return Path(bpy.app.tempdir) / f"{_before_name(scene)}{framing:08x}.png"
+    return Path(bpy.app.tempdir) / f"vibe-before-{scene.session_uid}-{framing:08x}.png"
 
 
 def store_before(path: Path, picture: Path, first: bool) -> Path:
@@ -98,9 +96,5 @@ def store_before(path: Path, picture: Path, first: bool) -> Path:
 
 def forget_before(scene: Scene) -> None:
     """Deletes the before images of a scene, after Keep or Revert."""
-    for path in Path(bpy.app.tempdir).glob(f"{_before_name(scene)}*"):
+    for path in Path(bpy.app.tempdir).glob(f"vibe-before-{scene.session_uid}-*"):
         path.unlink(missing_ok=True)
-
-
-def _before_name(scene: Scene) -> str:
-    return f"vibe-before-{scene.session_uid}-"

@@ -1,12 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A vibe's result in the scene: written, listed, blended with the original, kept or reverted."""
 
-from __future__ import annotations
-
 import json
 import re
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import bpy
 
@@ -24,23 +21,19 @@ def apply(
     engine_result: messages.Result,
     subject: Sequence[bpy.types.Object],
     pivot: Sequence[float],
-    fresh_list: bool = False,
     change: Change | None = None,
 ) -> None:
     """Writes a result into the scene and lists what it changed; a failure leaves the scene as it was.
 
     After an earlier vibe that was not kept, the old values in the list are still the artist's own, to which Revert goes
-    back. `fresh_list` empties the list first. `change` is the change of the steps; None stands for a first prompt.
+    back. `change` is the change of the steps; None stands for a first prompt.
     """
     settings = scene.vibe
-    if fresh_list:
-        settings.changes.clear()
     current = bindings.read(scene, subject, pivot)
     skipped = bindings.write(scene, engine_result.values, subject, pivot)
     written = {key: value for key, value in engine_result.values.items() if key not in skipped}
     goals = engine_result.report.get("goals") or {}
-    records = engine_result.report.get("parameters", {})
-    reasons = {key: record.get("reason", "") for key, record in records.items()}
+    reasons = {key: row.get("reason", "") for key, row in engine_result.report.get("parameters", {}).items()}
     change = change or Change(Steps(), title=prompt, first=True)
     steps = change.steps
     steps.pivot = list(pivot)
@@ -72,7 +65,15 @@ def show(scene: bpy.types.Scene, steps: Steps) -> None:
     listed = {k: v for k, v in values.items() if k not in skipped and not step_list.same(k, v, before[k])}
     settings.changes.clear()  # first: without changes, resetting the sliders writes nothing
     settings.strength, settings.show_original = 1.0, False
-    _list_changes(settings, before, current, listed, reasons)
+    # The list is by group, in the order of the scene's keys; other keys come last in their group.
+    place = {key: number for number, key in enumerate(current)}
+    for key in sorted(listed, key=lambda k: (schema.GROUPS.index(schema.split_key(k)[0]), place.get(k, len(place)))):
+        new = tuple(listed[key])
+        old = step_list.old_value(key, before, new)
+        change = settings.changes.add()
+        change.name, change.reason = key, reasons.get(key, "")
+        change.before[: len(old)] = old
+        change.after[: len(new)] = new
     steps.store(scene)
 
 
@@ -87,28 +88,6 @@ def choose(scene: bpy.types.Scene, number: int, variant: messages.Variant, subje
     steps.add(change, {**current, **steps.base}, written, variant.reasons, goals)
     show(scene, steps)
     settings.variant = number
-
-
-def _list_changes(
-    settings: Any,
-    before: Mapping[str, schema.Values],
-    scene: Mapping[str, schema.Values],
-    values: Mapping[str, Sequence[float]],
-    reasons: Mapping[str, str],
-) -> None:
-    """Lists written values by group, in the order of the keys of `scene`; other keys come last in their group."""
-    place = {key: number for number, key in enumerate(scene)}
-
-    def order(key: str) -> tuple[int, int]:
-        return schema.GROUPS.index(schema.split_key(key)[0]), place.get(key, len(place))
-
-    for key in sorted(values, key=order):
-        new = tuple(values[key])
-        old = step_list.old_value(key, before, new)
-        change = settings.changes.add()
-        change.name, change.reason = key, reasons.get(key, "")
-        change.before[: len(old)] = old
-        change.after[: len(new)] = new
 
 
 def mix(scene: bpy.types.Scene) -> None:
@@ -126,15 +105,6 @@ def cause(reason: str) -> str:
     """The word that a reason quotes, or else the reason: “night” for "'night' (dark night scene)"."""
     quoted = re.match(r"'(.+?)'(?!\w)", reason)
     return f"“{quoted[1]}”" if quoted else reason
-
-
-def forget(scene: bpy.types.Scene) -> None:
-    """Empties the list of changes; the scene's values stay."""
-    settings = scene.vibe
-    settings.changes.clear()  # first: without changes, resetting the sliders writes nothing
-    settings.strength, settings.show_original = 1.0, False
-    settings.vibed_prompt = settings.vibed_goals = settings.vibed_like = settings.vibed_preset = ""
-    settings.variant = 0
 
 
 def keyframe(scene: bpy.types.Scene) -> list[str]:
@@ -161,13 +131,21 @@ def keep(scene: bpy.types.Scene) -> None:
         settings.show_original = False
     own_keys.release(scene)
     snapshot.forget(scene)
-    preview.forget_before(scene)
-    forget(scene)
+    _forget(scene)
 
 
 def revert(scene: bpy.types.Scene) -> list[str]:
     """Restores the scene as it was before the first vibe; returns and raises as `snapshot.revert`."""
     lost = snapshot.revert(scene)
-    preview.forget_before(scene)
-    forget(scene)
+    _forget(scene)
     return lost
+
+
+def _forget(scene: bpy.types.Scene) -> None:
+    """Deletes the before images and empties the list of changes; the scene's values stay."""
+    preview.forget_before(scene)
+    settings = scene.vibe
+    settings.changes.clear()  # first: without changes, resetting the sliders writes nothing
+    settings.strength, settings.show_original = 1.0, False
+    settings.vibed_prompt = settings.vibed_goals = settings.vibed_like = settings.vibed_preset = ""
+    settings.variant = 0

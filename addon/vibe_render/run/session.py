@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A vibe that runs while Blender stays usable: each call of `Session.advance` does one short step."""
 
-from __future__ import annotations
-
 import shutil
 import time
 import uuid
@@ -13,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+from bpy.types import Context, Object, Scene
 
 from ..core import compat, preferences
 from ..core.schema_import import atomic, messages, schema, targets
@@ -26,20 +25,16 @@ from ..scene.steps import Change, Steps
 from ..scene.subject import SubjectChoice, remember_subject
 from . import preview, result
 from .driver import ANCHORING, Driver
-from .notes import words_of
 
 READING = "Reading the scene"
-PAUSING = (READING, ANCHORING)
-"""Stages that block Blender; the larger the scene, the longer."""
+PAUSING = (READING, ANCHORING)  # stages that block Blender; the larger the scene, the longer
 _READ_WITHIN = 20.0  # seconds; a prompt that takes longer to read counts as describing everything
 SILENT = 30.0  # seconds without a message from the engine, after which the panel says so
 
 
-def scene_settings(scene: bpy.types.Scene) -> tuple[Any, ...]:
-    """The scene's own settings that its export depends on, to find out whether they have changed.
-
-    Blender reports their changes in the same way as a character that is typed into the prompt.
-    """
+def scene_settings(scene: Scene) -> tuple[Any, ...]:
+    """The scene's own settings that its export depends on, to find out whether they have changed."""
+    # Blender reports their changes in the same way as a character that is typed into the prompt.
     render, view, vibe = scene.render, scene.view_settings, scene.vibe
     picture = render.resolution_x, render.resolution_y, render.resolution_percentage
     subject = vibe.subject, vibe.collection and vibe.collection.name
@@ -48,22 +43,16 @@ def scene_settings(scene: bpy.types.Scene) -> tuple[Any, ...]:
 
 
 class SceneSession(Driver):
-    """Work on one scene, in steps between which Blender is usable: the base of `Session` and `Live`.
+    """Work on one scene, in steps between which Blender is usable: the base of `Session` and `Live`."""
 
-    A session has the scene's session uid instead of the scene: after an undo a reference would be dangling.
-
-    Attributes:
-        scene: The scene's name at the start.
-        warnings: Lines for the artist on what the engine renders only approximately; `view_notes` are among them.
-        view_notes: Lines for the artist on what spoils the image with any look.
-    """
-
-    def __init__(self, context: bpy.types.Context, engine: Engine) -> None:
+    def __init__(self, context: Context, engine: Engine) -> None:
         super().__init__(engine, Path(bpy.app.tempdir) / f"vibe-{uuid.uuid4().hex[:8]}")
         settings = context.scene.vibe
-        self.scene, self._uid = context.scene.name, context.scene.session_uid
+        self.scene = context.scene.name  # at the start
+        self._uid = context.scene.session_uid  # not the scene: after an undo a reference would be dangling
+        # lines for the artist on what the engine renders only approximately; `view_notes` are among them
         self.warnings: list[str] = []
-        self.view_notes: list[str] = []
+        self.view_notes: list[str] = []  # lines for the artist on what spoils the image with any look
         self._filling = ""  # see `SceneJob`
         self._subject: list[str] = []
         self._pivot = (0.0, 0.0, 0.0)
@@ -77,16 +66,9 @@ class SceneSession(Driver):
         """Deletes the temporary files, also the preview's image."""
         shutil.rmtree(self._job, ignore_errors=True)
 
-    def subject(self, scene: bpy.types.Scene) -> list[bpy.types.Object]:
+    def subject(self, scene: Scene) -> list[Object]:
         """The subject's objects that are still in the scene."""
         return [scene.objects[name] for name in self._subject if name in scene.objects]
-
-    def take_over(self, other: SceneSession) -> None:
-        """Takes over the look of another session of the same scene, if it shows one."""
-        self.look, self.words = other.look, other.words
-        self.preview, self.before = other.preview, other.before
-        self._subject, self._pivot, self._shown = other._subject, other._pivot, other._shown
-        self._keyed, other._keyed = other._keyed, False
 
     def show_again(self) -> None:
         """Shows the newest look again, after a save or an undo has taken it out of the scene."""
@@ -101,17 +83,13 @@ class SceneSession(Driver):
             preview.show(scene, look.values, self.subject(scene), self._pivot)
 
     @contextmanager
-    def _without_look(self, scene: bpy.types.Scene) -> Iterator[None]:
-        """Hides the look for the duration of the block, in which the scene has the artist's values.
-
-        The block must not yield to Blender: then no redraw shows the change.
-        """
+    def _without_look(self, scene: Scene) -> Iterator[None]:
+        """Hides the look inside the block, which must not yield to Blender: then no redraw shows the change."""
         preview.hide(scene)
         yield
         self.show_again()
 
     def _object_mode(self, stage: str) -> Generator[str]:
-        """Waits for Object Mode."""
         while bpy.context.mode != "OBJECT":
             self.stage = stage
             yield self.stage
@@ -146,49 +124,34 @@ class SceneSession(Driver):
                 keyframes.bring_back(scene)
         self._keyed = False
 
-    def _restore(self, start: int | None) -> None:
-        """Takes back what the export has added since `start`, unless an undo or another file has done so already.
-
-        The look must be hidden. `start` is from `snapshot.mark`.
-        """
-        if scene := self._scene_if_there():
-            snapshot.rollback(scene, start)
-
-    def _find_scene(self) -> bpy.types.Scene:
+    def _find_scene(self) -> Scene:
         scene = self._scene_if_there()
         if scene is None:
             raise schema.VibeError(f'The scene "{self.scene}" is gone.', "Start again in another scene.")
         return scene
 
-    def _scene_if_there(self) -> bpy.types.Scene | None:
+    def _scene_if_there(self) -> Scene | None:
         """The scene, or None if it is gone. Its session uid outlives renaming and undo, and is unique across files."""
         return next((s for s in bpy.data.scenes if s.session_uid == self._uid), None)
 
 
 class Session(SceneSession):
-    """One vibe of the open scene, and then a check of its frames.
-
-    Attributes:
-        prompt: The words; "" for none.
-        like: Name of the reference image; "" for none.
-        shared: What to do about the subject's materials that other objects use too: "ASK", "ALL" or "SINGLE".
-        question: Names of shared materials to those of their other users, while the artist is asked; else empty.
-        checking: Whether frames are being checked.
-    """
+    """One vibe of the open scene, and then a check of its frames."""
 
     patience = 900.0
 
-    def __init__(
-        self, context: bpy.types.Context, engine: Engine, ask: bool = False, change: Change | None = None
-    ) -> None:
+    def __init__(self, context: Context, engine: Engine, ask: bool = False, change: Change | None = None) -> None:
         super().__init__(context, engine)
         settings = context.scene.vibe
         prompt, like = settings.prompt.strip(), reference.picture_name(settings)
         self._change = change or Change(Steps(), sentence=prompt, title=prompt or like, first=True)
-        self.prompt, self.like = self._change.sentence, like if self._change.first else ""
+        self.prompt = self._change.sentence  # the words; "" for none
+        self.like = like if self._change.first else ""  # name of the reference image; "" for none
+        # what to do about the subject's materials that other objects use too: "ASK", "ALL" or "SINGLE"
         self.shared = settings.shared if ask or settings.shared != "ASK" else "ALL"
+        # names of shared materials -> those of their other users, while the artist is asked; else empty
         self.question: dict[str, list[str]] = {}
-        self.checking = False
+        self.checking = False  # whether frames are being checked
         self._vibed = False  # whether an earlier vibe is in the scene
         saved = preferences.get(context)
         self._key = saved.vlm_key if saved else ""
@@ -206,29 +169,22 @@ class Session(SceneSession):
         except OSError as error:
             if not atomic.is_full(error):
                 raise
-            raise schema.VibeError(
-                f"There is no room left on the disk, in {bpy.app.tempdir}.",
-                "Make room, or choose another folder for temporary files in Blender's preferences.",
-            ) from error
+            remedy = "Make room, or choose another folder for temporary files in Blender's preferences."
+            raise schema.VibeError(f"There is no room left on the disk, in {bpy.app.tempdir}.", remedy) from error
 
     @property
     def can_stop(self) -> bool:
         """True if the search has begun and is not stopping: then `stop` gives its best look so far."""
-        return super().can_stop and not self.checking
+        return self.progress is not None and not (self._stopping or self.checking)
 
-    def check(self, scene: bpy.types.Scene, every: int) -> None:
+    def check(self, scene: Scene, every: int) -> None:
         """Makes `advance` check every so many frames of the scene's range; the results are in `sequence`."""
-        frames = range(scene.frame_start, scene.frame_end + 1, every)
-        seen = words_of(self.report.get("verdicts", ()), "visible")
-        choice = SubjectChoice(tuple(self._subject))
+        choice, verdicts = SubjectChoice(tuple(self._subject)), self.report.get("verdicts", ())
         self.checking = True
-        self._steps = self._check_frames(scene, frames, seen, choice, self._options.seed)
+        self._steps = self._check_frames(scene, every, verdicts, choice, self._options.seed)
 
     def cancel(self) -> None:
-        """Ends a vibe, or a check of frames, that is given up or has failed.
-
-        The scene is as it was before the vibe. A check of frames leaves the result in it.
-        """
+        """Ends a vibe, whose scene is then as it was before, or a check of frames, which leaves the result in it."""
         self._steps.close()
         if self.checking:
             self.checking, self.sequence = False, ()
@@ -268,13 +224,14 @@ class Session(SceneSession):
             yield from self._object_mode("Done. Switch to Object Mode to apply it")
             scene = self._find_scene()
             self._take_look_away()
-            subject, change = self.subject(scene), self._change
-            result.apply(scene, self.prompt, engine_result, subject, self._pivot, change=change)
+            subject = self.subject(scene)
+            result.apply(scene, self.prompt, engine_result, subject, self._pivot, change=self._change)
             scene.vibe.vibed_like = self.like or scene.vibe.vibed_like
-            remember_subject(scene, self.subject(scene), self._choice)
+            remember_subject(scene, subject, self._choice)
         except BaseException:  # Esc closes this generator, which raises here
             self._take_look_away()
-            self._restore(start)
+            if scene_now := self._scene_if_there():  # an undo or another file may have taken back the export already
+                snapshot.rollback(scene_now, start)
             raise
 
     def _ask_about_shared(self) -> Generator[str]:
@@ -317,7 +274,7 @@ class Session(SceneSession):
         self.shared, self.question = choice, {}
 
     def _check(self) -> None:
-        self._find_scene()
+        self._find_scene()  # raises if the artist has deleted it
         super()._check()
 
     def _show_message(self, message: messages.Message) -> None:

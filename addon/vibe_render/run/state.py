@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The add-on's state while Blender runs: the engine, the vibe, Live, the readings of words."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import bpy
@@ -12,30 +10,20 @@ from ..core.schema_import import schema
 from ..engine.process import Engine
 from ..scene.steps import Change
 from .light_mix import RenderedMix
-from .live import Live
+from .live import Live, WordReadings
 from .session import Session
-from .word_readings import WordReadings
 
 
 class AddonState:
-    """A warm engine, and the session that runs or ran last.
-
-    Attributes:
-        session: The newest session; its images stay until the next one, Keep or Revert.
-        running: Whether the session still runs.
-        failure: The error that ended the session, until the artist dismisses it.
-        live: The looks of words that are being typed; None if Live is off.
-        readings: The engine's readings of the words that are typed.
-        mix: The light layers of the newest render; None until one is rendered.
-    """
+    """A warm engine, and the session that runs or ran last."""
 
     def __init__(self) -> None:
-        self.session: Session | None = None
-        self.running = False
-        self.failure: schema.VibeError | None = None
-        self.live: Live | None = None
-        self.readings = WordReadings()
-        self.mix: RenderedMix | None = None
+        self.session: Session | None = None  # the newest; its images stay until the next one, Keep or Revert
+        self.running = False  # whether the session still runs
+        self.failure: schema.VibeError | None = None  # ended the session; kept until the artist dismisses it
+        self.live: Live | None = None  # the looks of words that are being typed; None if Live is off
+        self.readings = WordReadings()  # the engine's readings of the words that are typed
+        self.mix: RenderedMix | None = None  # the light layers of the newest render; None until one is rendered
         self._engine: Engine | None = None
         self._engine_choice: tuple[str, Path] | None = None
 
@@ -89,9 +77,9 @@ class AddonState:
 
     def end(self, failure: schema.VibeError | None = None) -> None:
         """Ends the session; with a failure the session is canceled, which restores the scene."""
-        if self.session and failure:
-            self.session.cancel()
         if self.session:
+            if failure:
+                self.session.cancel()
             self.session.checking = False
         self.running, self.failure = False, failure
 

@@ -84,7 +84,8 @@ class ResultPanel:
         row.operator("vibe.run", text="Retry (New Seed)", icon="FILE_REFRESH").again = True
         row.operator("vibe.preset_save", text="Save Preset", icon="PRESET_NEW")
         if session:
-            notes = shortened_notes([*session.anchor_notes, *session.warnings])
+            failed_anchors = session.report.get("anchored", {}).get("notes", [])
+            notes = shortened_notes([*failed_anchors, *session.warnings])
             for note in [*word_notes(session.report)[:4], *notes]:  # below what is always there
                 paragraph(layout, context, note, "INFO", faint=True)
 

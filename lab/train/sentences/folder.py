@@ -19,7 +19,7 @@ from lab.train.sentences.labels import (
     LookWord,
 )
 from lab.train.sentences.tables import CheckedTable
-from proxy_renderer.batch.manifest_options import TomlSource
+from proxy_renderer.batch.manifest import TomlSource
 from proxy_renderer.schema import VibeError
 
 SCENES, SENTENCES = "scenes.toml", "sentences_*.toml"

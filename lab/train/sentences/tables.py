@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from proxy_renderer.batch.manifest_options import TomlSource
+from proxy_renderer.batch.manifest import TomlSource
 from proxy_renderer.schema import VibeError
 
 

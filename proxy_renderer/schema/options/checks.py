@@ -47,11 +47,7 @@ def prompt(text: str, like: str = "", goals: str = "", then: Sequence[str] = ())
 
 
 def moments(given: argparse.Namespace) -> list[tuple[int, str]]:
-    """Frames and looks of `--moments`, in their order; empty with `--markers` or without moments.
-
-    Raises:
-        VibeError: They are not written as frames and looks, or other options contradict them.
-    """
+    """Frames and looks of `--moments`; empty with `--markers` or without moments. Refuses options that contradict them."""
     text, markers = getattr(given, "moments", ""), getattr(given, "markers", False)
     if not (text.strip() or markers):
         return []
@@ -65,13 +61,16 @@ def moments(given: argparse.Namespace) -> list[tuple[int, str]]:
     return timed(text) if text.strip() else []
 
 
-def steady(given: argparse.Namespace) -> None:
-    """Refuses `--steady` without `--check-every`, or with options that go on from the look of a single frame."""
+def shots(given: argparse.Namespace, several: bool) -> None:
+    """Refuses options for a single shot if there are several, and what does not fit `--steady`."""
     if given.steady and not given.check_every:
         raise VibeError("--steady has no frames to hold at.", "Say which are checked: --check-every 10.")
-    if given.steady and (clash := [name for name in ("then", "offset_keys") if getattr(given, name)]):
-        flag = f"--{clash[0].replace('_', '-')}"
-        raise VibeError(f"{flag} goes on from one frame's look.", f"Leave out {flag} or --steady.")
+    for name in ("then", "check_every", "offset_keys"):
+        flag = f"--{name.replace('_', '-')}"
+        if getattr(given, name) and given.steady and name != "check_every":
+            raise VibeError(f"{flag} goes on from one frame's look.", f"Leave out {flag} or --steady.")
+        if getattr(given, name) and several:
+            raise VibeError(f"{flag} is for one shot.", "Leave out more scenes, --cameras and --frames.")
 
 
 def timed(text: str) -> list[tuple[int, str]]:
@@ -104,8 +103,9 @@ def in_order(found: list[tuple[int, str]]) -> list[tuple[int, str]]:
 
 def numbers(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> None:
     """Fills in the numbers that the effort decides; raises VibeError for a number out of its option's bounds."""
-    if all(hasattr(given, name) for name in ("effort", *limits.NUMBERS)):
-        limits.fill(given)
+    for name in limits.NUMBERS if hasattr(given, "effort") else ():
+        if getattr(given, name) is None:
+            setattr(given, name, getattr(limits.BUDGETS[given.effort], name))
     for option in table:
         value = getattr(given, option.name, None)
         if option.bounds and value is not None and not option.bounds[0] <= value <= option.bounds[1]:
@@ -153,8 +153,7 @@ def targets(pairs: Iterable[str]) -> dict[str, str]:
     for pair in pairs:
         word, _, target = pair.partition("=")
         if not (word.strip() and target.strip()):
-            remedy = "Write WORD=TARGET, as in --target copper=Cup."
-            raise VibeError(f"The target {pair!r} says nothing.", remedy)
+            raise VibeError(f"The target {pair!r} says nothing.", "Write WORD=TARGET, as in --target copper=Cup.")
         found[word.strip()] = target.strip()
     return found
 
@@ -167,7 +166,6 @@ def folder(path: Path) -> Path:
         with tempfile.TemporaryFile(dir=path):
             pass
     except OSError as error:
-        reason = error.strerror or type(error).__name__
-        remedy = "Choose another with --out."
-        raise VibeError(f"The folder {path} cannot be written ({reason}).", remedy) from error
+        problem = f"The folder {path} cannot be written ({error.strerror or type(error).__name__})."
+        raise VibeError(problem, "Choose another with --out.") from error
     return path.resolve()
