@@ -19,7 +19,7 @@ from rich.progress import BarColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from ..blender.launch import TerminalBar, blender_side, handling
 from ..schema import VibeError
-from ..words.lexicon.user_words import VARIABLE
+from ..words.lexicon.vocabulary import VARIABLE
 from . import manifest, schedule
 from .manifest import BatchPlan, Job, Jobs
 from .schedule import Pool, fitting, local_pool, machine

@@ -22,7 +22,7 @@ from .. import __version__
 from ..inputs import check
 from ..schema import VibeError, schema_hash
 from ..schema.limits import LARGEST_SEED
-from ..words.lexicon.user_words import user_file
+from ..words.lexicon.vocabulary import user_file
 from .manifest_options import IN_FILES, OptionReader, TomlSource, texts
 
 

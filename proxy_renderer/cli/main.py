@@ -232,7 +232,7 @@ def _vocabulary(a: argparse.Namespace) -> int:
         check.vocabulary(a.vocabulary)
         print(account(a.text, as_json=False))
     else:
-        from ..words.lexicon.user_words import default_vocabulary
+        from ..words.lexicon.vocabulary import default_vocabulary
 
         check.vocabulary(a.vocabulary)
         known, part = default_vocabulary(), a.part.lower()
@@ -246,7 +246,7 @@ def _vocabulary(a: argparse.Namespace) -> int:
 
 def _add_word(a: argparse.Namespace) -> None:
     from ..folders import config_folder
-    from ..words.lexicon.user_words import add_color, add_look
+    from ..words.lexicon.vocabulary import add_color, add_look
 
     if bool(a.color) == bool(a.wish or a.means):
         raise VibeError(f"'{a.name}' needs a color, or what it does.", "Give --color, or --wish, or --means.")

@@ -7,14 +7,14 @@ import re
 from collections.abc import Collection, Container, Iterator
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
-from operator import ne
 
 from ..color.floats import is_hex, srgb_from_hex
-from ..color.shades import shade
+from ..color.shades import mixable, shade, tinged
 from ..schema import Values
 from .lexicon.entries import normalize
 from .lexicon.languages import singular, thing_words
-from .lexicon.vocabulary import Vocabulary, compound, parted, tending
+from .lexicon.quantities import COLORS
+from .lexicon.vocabulary import Vocabulary
 from .lexicon.word_table import Nearest, table
 from .names import scene_names
 from .types import SceneDescription
@@ -22,9 +22,15 @@ from .types import SceneDescription
 TIES = ("link", "around", "joiner", "comparison", "exception")  # they say how neighbors belong together
 _LONGEST = 5  # words in a phrase
 _SHORTEST, _SHORTEST_FOREIGN = 4, 6  # characters of a word that may be mistyped
-_OF_A_CAMERA = ("beyond", "focus")  # lists of words that no parameter fulfills, unless they name a thing in the scene
 _COMPARED = ("finish", "grade", "mood", "atmosphere")  # slots of "glossier", "moodier", "drier"
 _NAME_ALIKE, _ALIKE = 0.86, 0.84  # least similarity, by difflib, of a mistyped name and of any other word
+# Colors between colors
+_ALONE = 0.7  # factor on chroma of a color that is only "greenish"
+_TINGE = 0.4  # share of the first color in "greenish blue"
+_HALF = 0.5  # in "green blue"
+_KIND = 2 / 3  # in "khaki green"
+_BASIC = frozenset([*COLORS, "gray"])
+_KINDS = _BASIC - {"white", "black"}  # colors that have kinds: "navy white" is two colors
 _BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*=+]|#(?![0-9a-f]{6}\b)|\s[-–—/]\s|/|(?<=\bon)\s(?=with\b)")
 _WORD = re.compile(r"#[0-9a-f]{6}\b|[^\W_]+(?:'[a-z]+)?")  # a word, or a color by its number: "#c8102e"
 _SLASH = re.compile(r"(?<=[A-Za-z])/(?=[A-Za-z])")  # "blue/green"
@@ -98,41 +104,23 @@ class Lexer:
             words = [*words[:-1], *burning.split()]
         for word in (w if w in self._in_names else v.typed.get(w, w) for w in words):
             known = any(word in table for table in (v.synonyms, v.nouns, self.names))
-            found += [word] if known else parted(word, v.colors, v.shades)
+            found += [word] if known else _parted(word, v.colors, v.shades)
         return found
 
     def _tokens(self, words: list[str]) -> list[Token]:
         tokens: list[Token] = []
         start = 0
         while start < len(words):
-            if tokens and self._places(words[start:], tokens[-1]):
-                tokens.append(replace(self._phrase(f"from {words[start]}"), text=words[start]))
-                start += 1
-                continue
             for count in range(min(_LONGEST, len(words) - start), 0, -1):
                 part = words[start : start + count]
                 if self._ends_in_thing(part):
                     continue
-                cuts = self._cuts_a_phrase(words, start, start + count)
-                token = (None if cuts else _composed(part, self.vocabulary)) or self._phrase(" ".join(part))
+                token = _composed(part, self.vocabulary) or self._phrase(" ".join(part))
                 if token.known or count == 1:
                     tokens.append(token if token.known else self._guess(token))
                     start += count
                     break
         return tokens
-
-    def _places(self, words: list[str], light: Token) -> bool:
-        """True if words after a light say where it comes from: "behind" of "cold dawn behind it", not of "the sun behind the hills"."""
-        is_light = light.noun == "light" or self.vocabulary.slot(light.entry) == "lighting"
-        if light.scene or not is_light or words[0] not in self.vocabulary.words["placed"]:
-            return False
-        return len(words) < 3 or (what := self._phrase(words[2])).scene or what.noun == "subject"
-
-    def _cuts_a_phrase(self, words: list[str], start: int, end: int) -> bool:
-        """True if the words from start to end split a known phrase about no surface: "warm golden" splits "golden hour"."""
-        later = range(end + 1, min(end + _LONGEST, len(words) + 1))
-        phrases = (" ".join(words[i:j]) for i in range(start + 1, end) for j in later)
-        return any(self.vocabulary.slot(phrase) not in ("", "finish", "material") for phrase in phrases)
 
     def _ends_in_thing(self, words: list[str]) -> bool:
         """True if a phrase is a look and a thing of this scene: "terracotta pot", or "turquoise water" where water is."""
@@ -150,10 +138,9 @@ class Lexer:
         v = self.vocabulary
         if is_hex(text):
             return Token(text, color=srgb_from_hex(text))
-        tint = tending(text, v.colors)
-        is_thing = singular(text) in thing_words() and text not in self.names  # "lemons" are no color
+        tint = _tending(text, v.colors)
         for token in map(self._spelled_so, _spellings(text, v.nouns)):
-            if token.known and not (is_thing and token.color and token.name != text):
+            if token.known:
                 return replace(token, text=text, color=token.color or tint)
         for stem in (stem for degree in v.endings for stem in v.stems(text, degree)):
             if stem in v.adjectives or stem in v.colors or v.slot(stem) in _COMPARED:
@@ -165,9 +152,6 @@ class Lexer:
         v, in_scene = self.vocabulary, spelling in self.names
         lists = (kind for kind, phrases in v.lists.items() if spelling in phrases)
         noun = v.nouns.get(spelling, "")
-        # phrases for a setting end in the thing: "minimal backdrop"
-        if not noun and v.slot(spelling) == "setting":
-            noun = v.nouns.get(spelling.rpartition(" ")[2], "")
         return Token(
             spelling,
             v.synonyms.get(spelling, ""),
@@ -176,7 +160,7 @@ class Lexer:
             noun,
             in_scene,
             v.intensity.get(spelling),
-            frozenset(kind for kind in lists if kind not in _OF_A_CAMERA or not in_scene),
+            frozenset(lists),
             name=spelling,
         )
 
@@ -188,12 +172,7 @@ class Lexer:
         if len(text) < (_SHORTEST_FOREIGN if foreign else _SHORTEST) or table().is_english(text):
             return token
         spelling = self.vocabulary.made(_misspellable)
-        near = (
-            # Two characters inside a word changed places: "wihte", "balck"
-            [w for w in spelling if sorted(w) == sorted(text) and sum(map(ne, w, text)) == 2]
-            or get_close_matches(text, self.names, 1, _NAME_ALIKE)
-            or get_close_matches(text, spelling, 3, _ALIKE)
-        )
+        near = get_close_matches(text, self.names, 1, _NAME_ALIKE) or get_close_matches(text, spelling, 3, _ALIKE)
         # if the first character is right, an error is likelier than a rare word
         known = next((w for w in near if w[0] == text[0]), "")
         return replace(self._phrase(known), text=text, guess=known) if known else token
@@ -216,8 +195,7 @@ def _composed(words: list[str], v: Vocabulary) -> Token | None:
     text = " ".join(words)
     if v.slot(text) == "grade":  # "deep blacks" are shadows
         return None
-    made_of = words[0] in v.colors and words[0] in v.synonyms  # "ruby red lips" are red
-    if not made_of and (color := compound(words, v.colors)):
+    if color := _compound(words, v.colors):
         return Token(text, color=color, name=text)
     each = () if text in v.colors else _led_by_shades(words, v)
     return next(filter(None, (_shaded(leading, rest, v) for leading, rest in each)), None)
@@ -228,13 +206,11 @@ def _shaded(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
     last, shades, is_lighter = " ".join(rest), _shades(leading, v), leading[-1] in v.words["lightness"]
     name = last if last in v.colors else last.removesuffix("s")
     text, entry = " ".join([*leading, last]), v.entry(last)
-    color = v.colors.get(name) or compound(rest, v.colors)
+    color = v.colors.get(name) or _compound(rest, v.colors)
     if color and v.slot(last) != "grade":  # "faded sepia" is no paler brown
         for arguments in shades:
             color = shade(color, *arguments)
-        token = Token(text, color=color, name=" ".join([*leading, name]))
-        both = is_lighter and last in v.adjectives  # a color, and what the adjective means elsewhere
-        return replace(token, adjective=last, shades=shades) if both else token
+        return Token(text, color=color, name=" ".join([*leading, name]))
     tints = entry and entry.slot == "material" and any(e.name == "base_color" for e in entry.effects)
     if entry and tints and is_lighter and text not in v.synonyms:
         return Token(text, entry.name, name=text, shades=shades)
@@ -242,15 +218,9 @@ def _shaded(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
 
 
 def _led_by_shades(words: list[str], v: Vocabulary) -> Iterator[tuple[list[str], list[str]]]:
-    """All splits of words into shade words with their intensities, and the rest.
-
-    "very dark blue" is split into "dark" and the listed color "dark blue".
-    """
+    """All splits of words into shade words with their intensities, and the rest."""
     for split in range(1, len(words)):
         leading, rest = words[:split], words[split:]
-        listed = " ".join(rest) in v.colors and rest[0] in v.shades
-        if listed and all(v.intensity.get(w, 0) > 1 for w in leading):
-            leading = rest[:1]
         if leading[-1] in v.shades and all(w in v.shades or w in v.intensity for w in leading):
             yield leading, rest
 
@@ -266,3 +236,47 @@ def _shades(leading: list[str], v: Vocabulary) -> tuple[ShadeArguments, ...]:
             chroma = 1 - (1 - row.get("chroma", 1.0)) * strength
             found.append((lightness, chroma, row.get("towards", 60.0), row.get("warmth", 0.0) * strength))
     return tuple(found)
+
+
+# Colors between colors: "greenish", "gray-blue", "reddish brown", "khaki green", "bluegreen"
+
+
+def _tending(word: str, colors: dict[str, Values]) -> Values | None:
+    """The color that "greenish" and "lemony" tend to; None for other words."""
+    if word.removesuffix("y") != word and word[:-1] in colors:
+        return colors[word[:-1]]
+    color = colors.get(_color_stem(word, colors))
+    return shade(color, chroma=_ALONE) if color else None
+
+
+def _compound(words: list[str], colors: dict[str, Values]) -> Values | None:
+    """The color of two color words: "khaki green"; None if the list has it, or if they are no color, or two: "teal orange"."""
+    if len(words) != 2 or " ".join(words) in colors or words[1] not in colors:
+        return None
+    first, base = words[0], colors[words[1]]
+    if first not in colors:
+        tinge = colors.get(_color_stem(first, colors))
+        return tinged(base, tinge, _TINGE) if tinge else None
+    two = first == words[1] or (first in _BASIC - _KINDS) or words[1] not in _KINDS
+    if two or not mixable(base, colors[first]):
+        return None
+    return tinged(base, colors[first], _HALF if first in _BASIC else _KIND)
+
+
+def _parted(word: str, colors: dict[str, Values], shades: dict[str, dict[str, float]]) -> list[str]:
+    """The words of a color's name that is written as one, "bluegreen" and "lightblue"; else the word alone."""
+    for second in _BASIC:
+        first = word.removesuffix(second)
+        if first != word and word not in colors and (first in colors or first in shades):
+            return [first, second]
+    return [word]
+
+
+def _color_stem(word: str, colors: dict[str, Values]) -> str:
+    """The color's name in "greenish", "bluey" and "reddy"; "" for other words."""
+    for ending in ("ish", "y"):
+        base = word.removesuffix(ending)
+        found = next((s for s in (base, base[:-1], base + "e") if base != word and s in colors), "")
+        if found:
+            return found
+    return ""

@@ -86,19 +86,11 @@ def likeliest(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list
 def likeliest_row(read: PromptPairs, weights: Mapping[str, float]) -> list[TargetPair]:
     """A pair for each look word: the likeliest row of all, by the scores of its pairs and the links between neighbors.
 
-    Viterbi's algorithm (1967). If no word of that row describes anything, the row is chosen again without such targets.
+    Viterbi's algorithm (1967).
     """
-    chosen = _viterbi(read.passage, read.pairs, weights)
-    if any(pair.target.kind not in NOWHERE for pair in chosen):
-        return chosen
-    somewhere = [[p for p in each if p.target.kind not in NOWHERE] or each for each in read.pairs]
-    return _viterbi(read.passage, somewhere, weights)
-
-
-def _viterbi(passage: Passage, pairs: Sequence[Sequence[TargetPair]], weights: Mapping[str, float]) -> list[TargetPair]:
-    if not pairs:
+    if not read.pairs:
         return []
-    rows, scores, links = _chain(passage, pairs, weights)
+    rows, scores, links = _chain(read.passage, read.pairs, weights)
     total = scores[0]
     before: list[np.ndarray] = []
     for tie, score in zip(links, scores[1:], strict=True):

@@ -64,18 +64,11 @@ class OwnNouns:
             if apart or not item.lists.isdisjoint(_STOPS) or item.text == "with":
                 break
             noun = self._noun(place)
-            if noun and item.text == "lit" and self._is_lit(place):
-                continue  # "screens lit green"
             if noun and (noun.named or (not found and self._is_a_noun(noun))):
                 found = noun
             if noun and (place in self._looks or noun.named or self._led(noun.start)):
                 break
         return found
-
-    def _is_lit(self, place: int) -> bool:
-        """True if a word stands after a noun that names no kind of things and nothing of the scene."""
-        noun = self._noun(place - 1) if place else None
-        return noun is not None and noun.noun == "unknown" and not noun.named and self._is_a_noun(noun)
 
     def _noun(self, place: int) -> NounMention | None:
         item = self._items[place]

@@ -16,8 +16,7 @@ from .attributes import complete
 from .foreign import Gloss, Retelling, gloss, other_language, understood
 from .lexer import Token
 from .lexicon.entries import normalize
-from .lexicon.user_words import default_vocabulary
-from .lexicon.vocabulary import Vocabulary
+from .lexicon.vocabulary import Vocabulary, default_vocabulary
 from .model import FactWeights, looks, scores
 from .normalized import Normalized, normalized
 from .own_nouns import with_own_materials

@@ -86,13 +86,9 @@ class Passage:
 def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
     """The look words of a prompt, given the tokens of each clause."""
     found = Passage([])
-    number = 0
-    for tokens, following in zip(clauses, [*clauses[1:], []], strict=False):
+    for number, tokens in enumerate(clauses):
         found.starts.add(len(found.items))
         found.items += _without_wishes(number, tokens, found)
-        # "red, green and blue balls" is one clause
-        listed = len(tokens) == 1 and tokens[0].color and len(following) > 2 and following[0].color
-        number += not (listed and "listing" in following[1].lists)
     for _, clause in groupby(enumerate(found.items), key=lambda each: each[1].clause):
         found.looks += _looks(found, clause, vocabulary)
     found.beyond = [i.text for i in found.items if "beyond" in i.lists]
@@ -100,7 +96,7 @@ def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
 
 
 def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterator[Token]:
-    """The tokens of a clause; those of a wish to add or remove things are marked as `wished`, and those after a focus.
+    """The tokens of a clause; those of a wish to add or remove things are marked as `wished`.
 
     A wish about looks, light or fog is not marked.
     """
@@ -112,8 +108,6 @@ def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterato
             if not (about_looks and all(t.known and "count" not in t.lists for t in objects)):
                 until = index + 1 + len(objects)
                 found.wishes.append([t.text for t in tokens[index:until] if not t.lists & {"stop", "joiner"}])
-        elif "focus" in token.lists:
-            until = len(tokens)
         yield replace(token, clause=number, wished=index < until)
 
 

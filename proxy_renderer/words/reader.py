@@ -6,20 +6,19 @@ from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import pairwise
 
 from ..schema import VibeError
 from ..schema.parameters import Region
-from .attributes import NamedThing, is_light, light_phrases, shade_effect, shaded
+from .attributes import NamedThing, light_phrases, shaded
 from .lexicon.entries import VocabularyEntry
 from .lexicon.rigs import TIMES, rig_table
 from .lexicon.vocabulary import Vocabulary
 from .model import likeliest_row, probabilities, reading, scores, shipped_weights
 from .own_nouns import AbsentObjects
 from .passage import PromptLook
-from .scene import materials_of
-from .targets import LAMPS, MATTER, NOWHERE, ROLES, TINGE, PromptPairs, Target, TargetPair, rest, sense_at, with_choices
-from .types import GLOW, STRONGEST, WEAKEST, Attribute, Parsed, SceneDescription
+from .scene import NounMention, materials_of
+from .targets import LAMPS, MATTER, NOWHERE, ROLES, TINGE, PromptPairs, TargetPair, rest, sense_at, with_choices
+from .types import STRONGEST, WEAKEST, Attribute, Parsed, SceneDescription
 
 _PLAIN = "Use plain look words that the vocabulary knows."
 _UNSURE = 0.35
@@ -79,17 +78,20 @@ def read_words(
     pairs = reading(text, scene, vocabulary, foreign)
     phrases = light_phrases(pairs.passage, vocabulary, rig_table())
     each = zip(likeliest_row(pairs, weights), pairs.pairs, strict=True)
-    row = [_where_it_stands(pair, others, pairs, phrases, scene, vocabulary) for pair, others in each]
+    row = [_in_its_light(pair, others, pairs.mentions, phrases) for pair, others in each]
     chosen, unused = with_choices(row, targets or {}, english or {}, scene, vocabulary)
-    for number, (pair, after) in enumerate(pairwise(chosen)):  # "a washed out green vase"
-        is_one = pairs.passage.tinged(pair.look) == after.look and pair.target == after.target
-        may_be = is_one and after.sense.way == "color" and not (pair.chosen or pair.look.negated)
-        if may_be and shade_effect(pair.sense.entry, vocabulary):
-            chosen[number] = replace(pair, target=Target(TINGE))
     objects = AbsentObjects(pairs, scene, vocabulary)
     subject, parsed, passage = objects.subject or scene.subject, Parsed(text), pairs.passage
     read = PromptReading(vocabulary, scene, weights, pairs, chosen, subject, parsed, is_part)
-    _find_absent(read, objects)
+    # Words whose object the scene lacks
+    lacking = defaultdict(list)
+    for number, pair in enumerate(chosen):
+        if noun := "" if pair.chosen else objects.noun_of(pair):
+            lacking[noun].append(f"'{pair.look.text}'")
+            read.absent.add(number)
+    texts = lacking.items()
+    read.lacking = [f"{', '.join(w)}: there is no '{noun}' in the scene; not used." for noun, w in texts]
+    parsed.notes += read.lacking
     # What each word says
     for number, pair in enumerate(chosen):
         said, token = _attributes_of(read, number), pair.look.token
@@ -107,70 +109,22 @@ def read_words(
     return read
 
 
-def _where_it_stands(
+def _in_its_light(
     pair: TargetPair,
     pairs: list[TargetPair],
-    found: PromptPairs,
+    mentions: list[NounMention],
     phrases: Mapping[int, tuple[int, ...]],
-    scene: SceneDescription,
-    vocabulary: Vocabulary,
 ) -> TargetPair:
-    """A look word's pair, or one with another target if the place of the word makes that certain.
+    """A look word's pair; with light as its target if it is in the description of a light, "a pink one at the left".
 
-    In the description of a light, a word describes light, "a pink one at the left", unless the description names its target
-    with no light between: "an orange sun behind the red cars". A sun is no light of another type: "sun through the window".
-    A color right before fog or smoke is that of the air: "greenish ground fog".
-    A word that both lights and surfaces can have is the light's where the named surface glows: "globes brighter".
+    It keeps a target that this description names: "an orange sun behind the red cars".
     """
-    target, look, items, kind = pair.target, pair.look, found.passage.items, ""
-    if glow := _glow_of(pair, pairs, found, vocabulary):
-        return glow
-    lamps = [scene.lights[n].type for n in target.names if n in scene.lights]
-    if lamps and _is_a_sun(pair) and not {"SUN", ""}.intersection(lamps):
-        kind = "light"
-    elif numbers := phrases.get(look.index):
-        noun = found.mentions[target.mention] if target.mention >= 0 else None
-        between = items[look.index + 1 : noun.start] if noun and target.kind in MATTER else []
-        past = any(is_light(item, rig_table(), vocabulary) for item in between)
-        here = noun and phrases.get(noun.start) == numbers and (noun.named or noun.role) and not past
-        of_light = look.token.color or look.token.adjective
-        may_move = target.kind in LAMPS or (target.kind in (*MATTER, "none") and of_light)
-        kind = "light" if may_move and not here else ""
-    elif look.token.color:
-        after = next((item for item in items[look.index + 1 :] if item.strength is None), look.token)
-        is_air = after.noun == "fog" or vocabulary.slot(after.entry) == "atmosphere"
-        kind = "air" if is_air and after.clause == items[look.index].clause else ""
-    return next((other for other in pairs if other.target.kind == kind), pair)
-
-
-def _glow_of(
-    pair: TargetPair, pairs: list[TargetPair], found: PromptPairs, vocabulary: Vocabulary
-) -> TargetPair | None:
-    """The pair of a word with the glow of the surface that it describes, if lights can be called so too; None without a glow."""
-    target, look = pair.target, pair.look
-    if "lamp" not in vocabulary.adjectives.get(look.token.adjective, {}) or target.kind in (*LAMPS, "light"):
-        return None
-    after = {n for n, noun in enumerate(found.mentions) if noun.start == look.index + 1}
-    nouns = {target.mention} if target.mention >= 0 else after
-    glows = (p for p in pairs if p.target.kind == "lights" and p.target.mention in nouns)
-    return next((p for p in glows if all(name.startswith(GLOW) for name in p.target.names)), None)
-
-
-def _is_a_sun(pair: TargetPair) -> bool:
-    rig = rig_table().rigs.get(pair.sense.entry)
-    return rig is not None and any(light.type == "SUN" for light in rig.lights[:1])
-
-
-def _find_absent(read: PromptReading, objects: AbsentObjects) -> None:
-    """Finds the words whose object the scene lacks; adds a note for each such object."""
-    lacking = defaultdict(list)
-    for number, pair in enumerate(read.chosen):
-        if noun := "" if pair.chosen else objects.noun_of(pair):
-            lacking[noun].append(f"'{pair.look.text}'")
-            read.absent.add(number)
-    texts = lacking.items()
-    read.lacking = [f"{', '.join(w)}: there is no '{noun}' in the scene; not used." for noun, w in texts]
-    read.parsed.notes += read.lacking
+    target, token, numbers = pair.target, pair.look.token, phrases.get(pair.look.index)
+    named_here = target.mention >= 0 and phrases.get(mentions[target.mention].start) == numbers
+    may_be = target.kind in LAMPS or (target.kind in (*MATTER, "none") and (token.color or token.adjective))
+    if not numbers or named_here or not may_be:
+        return pair
+    return next((other for other in pairs if other.target.kind == "light"), pair)
 
 
 def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
@@ -185,11 +139,6 @@ def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
     # "pier", if the scene has one
     is_a_name = any(m.named and m.covers(pair.look.index) for m in read.pairs.mentions)
     unsure = _is_unsure(read, number)
-    rig = rig_table().rigs.get(token.entry)
-    is_an_hour = rig is not None and rig.kind in TIMES  # of the image, though a lamp may be called "sun"
-    # "fire" of "blue fire" is the object that "blue" describes
-    if kind == "light" and is_a_name and not is_an_hour and _is_described(read, pair):
-        return None
     if (kind == "none" or unsure) and not is_a_name and _is_a_light(read, pair):
         return _attributes(read, pair, token.entry, _of("light", token.text, "whole"))
     if number in read.absent or unsure:
@@ -278,23 +227,13 @@ def _thing(read: PromptReading, pair: TargetPair) -> Attribute:
     if kind == "picture":  # the image, or what words of a slot are usually about
         if slot == "color":
             return _of("tone", name, "whole") if is_named else _of("ambience", "tint", "whole")
-        grade = pair.sense.way == "row" or (slot in ("mood", "setting") and _is_of_a_grade(read, pair))
-        about = "tone" if grade else _OF_SLOT.get(slot, "whole")
+        about = "tone" if pair.sense.way == "row" else _OF_SLOT.get(slot, "whole")
         return _of(about, word, "surroundings" if about == "surroundings" else "whole")
     region: Region = "surroundings" if kind == "sky" else "whole"
     apart = kind == "lights" and target.names != {*read.scene.lights}  # all lights are light as a whole
     lights = tuple(sorted(target.names)) if apart else ()
     role = kind if kind in ROLES else ""
     return replace(_of(_KINDS.get(kind, kind), name, region), role=role, lights=lights)
-
-
-def _is_of_a_grade(read: PromptReading, pair: TargetPair) -> bool:
-    """True if a mood is one of the grade alone: "gritty" of "gritty bleach bypass grade"."""
-    items, grades = read.pairs.passage.items, read.vocabulary.words["grades"]
-    clause = items[pair.look.index].clause
-    after = [item for item in items[pair.look.index :] if item.clause == clause]
-    head = next((i for i, item in enumerate(after) if item.text in grades), 0)
-    return head > 0 and all(item.names_a_look or item.filler for item in after[1:head])
 
 
 def _of(kind: str, thing: str, region: Region, owners: tuple[str, ...] = ()) -> Attribute:

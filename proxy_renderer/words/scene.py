@@ -18,7 +18,6 @@ from .types import GLOW, MaterialLook, SceneDescription
 
 REGIONS = {"surroundings": "surroundings", "subject": "subject", "unknown": "subject"}
 """Kind of a noun that names nothing in the scene -> the part of the image that it means."""
-_TYPES = {"SUN": "sun", "SPOT": "spot"}  # types of lights that people call by name
 _WORDS = 512  # words of prompts whose names are cached
 # Present looks
 _NEAR = 0.11  # OKLab distance, see `_distance`, within which a material has the color of a name
@@ -199,13 +198,8 @@ class SceneIndex:
         words, lamps = self.words, self._ways(said, self._lights)
         if surest := best(lamps.values()):
             yield [n for n, way in lamps.items() if way == surest], (f"light {surest}",)
-        types = {n: (_TYPES[x.type],) for n, x in words.lights.items() if x.type in _TYPES}
-        yield self._ways(said, types), ("light type",)
         glows = self._ways(said, {n: self._materials[n] for n in words.glows})
         yield [GLOW + n for n in glows], (f"glow {best(glows.values())}",)
-        lit = [n for n in words.glows if any(n in words.object_materials[o] for o in shown)]
-        yield [GLOW + n for n in lit], (f"glow on object {best(shown.values())}",)
-        yield [n for n, x in words.lights.items() if {*x.objects} & {*shown}], ("lights it",)
 
 
 class LookIndex:

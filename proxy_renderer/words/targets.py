@@ -95,28 +95,17 @@ def targets(mentions: list[NounMention], words: SceneDescription) -> list[Target
     for number, mention in enumerate(mentions):
         found += (Target(named.kind, named.names, number, named.signs) for named in mention.named)
         if kind := mention.role or _OF_NOUNS.get(mention.noun, ""):
-            theirs = frozenset(name for name, light in words.lights.items() if light.role == kind)
-            names = rest(mentions, words) if kind == "others" else theirs
+            lights = frozenset(name for name, light in words.lights.items() if light.role == kind)
+            names = rest(mentions, words) if kind == "others" else lights
             found.append(Target(kind, names, number, frozenset({f"noun {mention.noun}"})))
-        if not mention.excepted:
-            found += _without(number, mention, mentions, words)
+        # Materials of a noun without those of other nouns: "the hut red, its roof black"
+        others = [taken([m], words) for m in mentions if m.members == 1 and m is not mention and not m.excepted]
+        for named in (n for n in mention.named if n.kind == "things" and not mention.excepted):
+            theirs = frozenset[str]().union(*(other for other in others if other < named.names))
+            if theirs and named.names - theirs:
+                signs = named.signs | {"without what else is named"}
+                found.append(Target("things", named.names - theirs, number, signs))
     return found
-
-
-def _without(
-    number: int, mention: NounMention, mentions: list[NounMention], words: SceneDescription
-) -> Iterator[Target]:
-    """Materials of a noun without those of other nouns: "the robot, not the cables", "the hut red, its roof black"."""
-    things = [(n.names, n.signs) for n in mention.named if n.kind == "things"]
-    excepted = taken((m for m in mentions if m.excepted), words)
-    for names, signs in things:
-        if names & excepted and names - excepted:
-            yield Target("things", names - excepted, number, signs | {"without what is spared"})
-    others = [taken([m], words) for m in mentions if m.members == 1 and m is not mention and not m.excepted]
-    for names, signs in things:
-        parts = frozenset().union(*(other for other in others if other < names))
-        if parts and names - parts:
-            yield Target("things", names - parts, number, signs | {"without what else is named"})
 
 
 def rest(
@@ -136,16 +125,13 @@ def sense_at(token: Token, kind: str, vocabulary: Vocabulary) -> Sense | None:
         return Sense("", "", "own")
     rows = vocabulary.adjectives.get(token.adjective, {})
     senses = [("row", rows.get(k, "")) for k in _KINDS[kind]] + [("own", token.entry)]
-    if kind == "picture" and token.entry and vocabulary.entries[token.entry].slot == "grade":
-        senses.reverse()  # "dark" says more than "dark tones"
     if token.color:
         senses.append(("color", ""))
     senses.append(("otherwise", rows.get("otherwise", "")))
     for way, entry in [*senses, *(("elsewhere", e) for e in _elsewhere(token, kind, vocabulary))]:
         if way == "color":
             return Sense("", "color", way)
-        blooms = way == "row" and kind == "light" and entry == rows.get(kind)  # "a glowing light"
-        if entry and (blooms or _describes(entry, kind, vocabulary)):
+        if entry and _describes(entry, kind, vocabulary):
             return Sense(entry, vocabulary.entries[entry].slot, way)
     return None
 
@@ -154,10 +140,6 @@ def _elsewhere(token: Token, kind: str, vocabulary: Vocabulary) -> Iterator[str]
     """Entries for a word at a kind of target that its own entry does not describe; for a mood, by the parts of its meaning."""
     rows = [vocabulary.elsewhere.get(k, {}) for k in _KINDS[kind]]
     said = [token.adjective, token.entry]
-    for part in vocabulary.entries[token.entry].means.split(", ") if token.entry else ():
-        words = part.split()  # without how strongly: "slightly dim light" as "dim light"
-        ends = (" ".join(words[start:]) for start in range(len(words)))
-        said.append(next((vocabulary.synonyms[end] for end in ends if end in vocabulary.synonyms), ""))
     yield from (row[word] for word in said for row in rows if word in row)
 
 

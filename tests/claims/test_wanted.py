@@ -15,7 +15,7 @@ from proxy_renderer.schema import FAMILIES, VibeError
 from proxy_renderer.schema.messages import word_states
 from proxy_renderer.words.lexicon.entries import OWNERS, read_wishes
 from proxy_renderer.words.lexicon.quantities import quantities
-from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.lexicon.vocabulary import default_vocabulary
 from proxy_renderer.words.parser import parse
 from proxy_renderer.words.types import SceneDescription
 

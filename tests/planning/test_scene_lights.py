@@ -6,7 +6,7 @@ from plan_parts import make_instances, make_plan
 
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.support import missing_lights
-from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.lexicon.vocabulary import default_vocabulary
 from proxy_renderer.words.parser import parse
 from proxy_renderer.words.types import LightDescription, SceneDescription
 

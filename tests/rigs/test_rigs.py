@@ -30,7 +30,7 @@ from proxy_renderer.scene.data import Standby
 from proxy_renderer.schema import FAMILIES, Instance, VibeError, orbit
 from proxy_renderer.schema.added_lights import ADDED_LIGHTS, card
 from proxy_renderer.words.lexicon.rigs import KINDS, read, rig_table
-from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.lexicon.vocabulary import default_vocabulary
 from proxy_renderer.words.parser import parse
 from proxy_renderer.words.types import SceneDescription
 

@@ -8,8 +8,7 @@ from proxy_renderer.planning.planner import plan
 from proxy_renderer.schema import FAMILIES, Instance
 from proxy_renderer.words import names as fitted
 from proxy_renderer.words.lexicon.languages import senses
-from proxy_renderer.words.lexicon.user_words import extend
-from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.lexicon.vocabulary import extend, shipped_vocabulary
 from proxy_renderer.words.model import reading
 from proxy_renderer.words.names import fit, is_detail, is_of_surfaces, kind_of, plain_name
 from proxy_renderer.words.parser import parse

@@ -6,7 +6,7 @@ import pytest
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.rigs.chosen import chosen_rig
 from proxy_renderer.words.lexicon.rigs import rig_table
-from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.lexicon.vocabulary import default_vocabulary
 from proxy_renderer.words.parser import Understood
 from proxy_renderer.words.types import LightDescription, SceneDescription
 
