@@ -7,13 +7,15 @@ from dataclasses import replace
 from itertools import product
 
 from .lexer import Token
+from .lexicon.languages import singular, thing_words
 from .lexicon.vocabulary import Vocabulary
 from .names import FITS, parts
-from .passage import Passage
+from .passage import Passage, is_object
 from .scene import REGIONS, LookIndex, Named, NounMention, SceneIndex, fit_rank, fit_signs, materials_of, surest
 from .types import SceneDescription
 
 _LONGEST = 3  # tokens of a name
+_STOPS = ("around", "comparison", "exception")  # a look word after one describes no noun before it: "a cup on red"
 _SURE = (*(f"{s} {way}" for s in ("material", "object", "group", "light") for way in FITS[:2]),)
 _NO_NOUNS = {"negation", "comparison", "exception", "action", "undo", "beyond"}
 # Lists and exceptions are found by patterns over a string with a letter for each token, and commas between clauses.
@@ -249,3 +251,74 @@ def named_objects(mention: NounMention, index: SceneIndex) -> list[str]:
     said = parts(mention.text)
     # "table lamp" may name an object "Lamp"
     return next((found for n in range(len(said)) if (found := index.objects(said[n:]))), [])
+
+
+class OwnNouns:
+    """Finds the nouns that look words describe."""
+
+    def __init__(self, passage: Passage, mentions: list[NounMention], vocabulary: Vocabulary) -> None:
+        self._items, self._vocabulary = passage.items, vocabulary
+        self._looks = {look.index for look in passage.looks}
+        self._at = {p: m for m in mentions if m.members == 1 for p in range(m.start, m.end + 1)}
+
+    def of(self, look: int) -> NounMention | None:
+        """The noun that a look word describes; None if that is not certain."""
+        if self._items[look].change:
+            return self.changed(look)
+        return self._after(look) or self._before(look)
+
+    def changed(self, look: int) -> NounMention | None:
+        """The object of the change phrase that a look word is in: the roof of "the roof from red to grey"."""
+        change, items = self._items[look].change, enumerate(self._items)
+        places = (p for p, item in items if change and item.presents and item.change == change)
+        return next((self._at[place] for place in places if place in self._at), None)
+
+    def _after(self, look: int) -> NounMention | None:
+        """The noun after a look word: "a red roof"; of several the last, unless the scene has only an earlier one."""
+        found, led = None, self._led(look)
+        for place in range(look + 1, len(self._items)):
+            item = self._items[place]
+            if item.clause != self._items[look].clause and (found or not led):
+                break  # "a crisp, pale beam" goes on
+            noun = self._noun(place)
+            if noun and (led or self._is_a_noun(noun)):
+                found = noun if not found or noun.named or not found.named else found
+            elif found or not (item.names_a_look or item.strength is not None):
+                break
+        return found
+
+    def _before(self, look: int) -> NounMention | None:
+        """The noun before a look word: "the roof is red"; a noun of the scene rather than one without an article."""
+        found = None
+        for place in range(look - 1, -1, -1):
+            item = self._items[place]
+            apart = item.clause != self._items[look].clause
+            if apart or not item.lists.isdisjoint(_STOPS) or item.text == "with":
+                break
+            noun = self._noun(place)
+            if noun and (noun.named or (not found and self._is_a_noun(noun))):
+                found = noun
+            if noun and (place in self._looks or noun.named or self._led(noun.start)):
+                break
+        return found
+
+    def _noun(self, place: int) -> NounMention | None:
+        item = self._items[place]
+        if place in self._at:
+            return self._at[place]
+        if item.entry and item.text.endswith(("light", "lights")):  # "moonlight"
+            return NounMention(place, place, item.text, "light")
+        scenery = place - 1 in self._looks and item.text in self._vocabulary.words["scenery"]
+        is_noun = not item.filler and (scenery or is_object(item, self._vocabulary))
+        return NounMention(place, place, item.text, item.noun or "unknown") if is_noun else None
+
+    def _is_a_noun(self, noun: NounMention) -> bool:
+        """True if a word is a noun by itself, or by the article before it."""
+        listed = singular(noun.text) in thing_words()
+        return bool(noun.named) or noun.noun != "unknown" or listed or self._led(noun.start)
+
+    def _led(self, place: int) -> bool:
+        """True if an article stands before a word and the looks before it."""
+        while place > 0 and (self._items[place - 1].names_a_look or self._items[place - 1].strength):
+            place -= 1
+        return place > 0 and not self._items[place - 1].lists.isdisjoint(("article", "definite"))

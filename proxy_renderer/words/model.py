@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING
 
 from .lexer import TIES, Lexer, Token
 from .lexicon.vocabulary import Vocabulary
-from .mentions import mentions
-from .own_nouns import OwnNouns
+from .mentions import OwnNouns, mentions
 from .passage import Passage, PromptLook, passage, with_changes
 from .scene import Named, NounMention, SceneIndex, fit_rank
 from .targets import (

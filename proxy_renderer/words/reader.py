@@ -11,18 +11,33 @@ from ..schema import VibeError
 from ..schema.parameters import Region
 from .attributes import NamedThing, light_phrases, shaded
 from .lexicon.entries import VocabularyEntry
+from .lexicon.languages import name_words, singular, thing_words
 from .lexicon.rigs import TIMES, rig_table
 from .lexicon.vocabulary import Vocabulary
+from .mentions import OwnNouns
 from .model import likeliest_row, probabilities, reading, scores, shipped_weights
-from .own_nouns import AbsentObjects
-from .passage import PromptLook
-from .scene import NounMention, materials_of
-from .targets import LAMPS, MATTER, NOWHERE, ROLES, TINGE, PromptPairs, TargetPair, rest, sense_at, with_choices
-from .types import STRONGEST, WEAKEST, Attribute, Parsed, SceneDescription
+from .names import is_detail, is_of_surfaces, parts
+from .passage import STRUCTURES, PromptLook
+from .scene import NounMention, is_alike, materials_of
+from .targets import (
+    LAMPS,
+    MATTER,
+    NOWHERE,
+    ROLES,
+    SURFACE,
+    TINGE,
+    PromptPairs,
+    TargetPair,
+    rest,
+    sense_at,
+    with_choices,
+)
+from .types import STRONGEST, WEAKEST, Attribute, MaterialLook, Parsed, SceneDescription
 
 _PLAIN = "Use plain look words that the vocabulary knows."
 _UNSURE = 0.35
 """A word that is no look word with a greater probability is not used; chosen on a half of tests/words/ordinary_words.toml."""
+_MAIN = 0.7  # least share of the subject that has one color, for a subject of one material
 _LESS = 0.7  # share of the opposite that "less" asks for
 _KINDS = {"lights": "light", "key": "light", "air": "fog"}  # of target -> of thing, where they differ
 _OF_SLOT = {"lighting": "light", "atmosphere": "fog", "grade": "tone", "setting": "surroundings"}
@@ -110,10 +125,7 @@ def read_words(
 
 
 def _in_its_light(
-    pair: TargetPair,
-    pairs: list[TargetPair],
-    mentions: list[NounMention],
-    phrases: Mapping[int, tuple[int, ...]],
+    pair: TargetPair, pairs: list[TargetPair], mentions: list[NounMention], phrases: Mapping[int, tuple[int, ...]]
 ) -> TargetPair:
     """A look word's pair; with light as its target if it is in the description of a light, "a pink one at the left".
 
@@ -268,3 +280,70 @@ def _unknown(read: PromptReading) -> Iterator[str]:
     yield from (m.text for m in unknown if m.start not in bound and m.text != read.subject)
     yield from (t.text for t in items if t.unsure and not t.scene and t.text not in named)
     yield from (t.text for t in items if "count" in t.lists or t.text.isdigit())
+
+
+class AbsentObjects:
+    """Nouns of a prompt that name an object which its scene lacks.
+
+    A single one is the artist's name for the subject, if the subject is of one material and no other noun names it.
+    """
+
+    def __init__(self, found: PromptPairs, scene: SceneDescription, vocabulary: Vocabulary) -> None:
+        self._found, self._scene, self._vocabulary = found, scene, vocabulary
+        self._own = OwnNouns(found.passage, found.mentions, vocabulary)
+        subject = materials_of("subject", scene)
+        self._looks = {name: look for name, look in scene.looks.items() if name in subject and not is_detail(name)}
+        self._main = max(self._looks, key=lambda name: self._looks[name].share, default="")
+        self.subject = self._subject_name()  # the prompt's name for the subject, or ""
+
+    def noun_of(self, pair: TargetPair) -> str:
+        """The absent object that a look word describes; "" where it describes none."""
+        token = pair.look.token
+        slot = "color" if token.color else self._vocabulary.slot(token.entry) or pair.sense.slot
+        # "darker" of a thing is a color, though where no thing is said it would be of the whole image
+        sense = sense_at(token, "things", self._vocabulary) if pair.target.kind == "picture" else None
+        may_lack = self._scene.materials and (slot in SURFACE or (sense and sense.way == "row"))
+        own = self._own.of(pair.look.index) if may_lack else None
+        return own.text if own and own.text != self.subject and self._is_absent(own) else ""
+
+    def _is_absent(self, noun: NounMention) -> bool:
+        """True if a noun names an object, and none in the scene."""
+        words, seen = self._vocabulary.words, bool(self._scene.looks)
+        if noun.named or noun.noun == "unknown":
+            return not noun.named
+        if noun.noun == "surroundings":
+            shaped = any(noun.text in words[kind] for kind in STRUCTURES)
+            return shaped and seen and len(materials_of("surroundings", self._scene)) != 1
+        is_part = noun.noun == "subject" and noun.text not in words["whole"]
+        return is_part and seen and not self._is_of_one_color()
+
+    def _subject_name(self) -> str:
+        """The only absent object that the prompt describes, as its name for the subject; "" if the subject has a clear name."""
+        mentions, looks = self._found.mentions, self._found.passage.looks
+        places = {look.index for look in looks}  # "a dim workshop" is a look of the whole image
+        nouns = [n for look in looks if (n := self._own.of(look.index)) and n.start not in places]
+        names = {n.text for n in nouns if n.noun == "unknown" and self._is_absent(n)}
+        smaller = name_words("limbs") | name_words("details") | name_words("accessories")
+        # of bottle and "cap", the bottle is the subject, and a plural such as "wheels" never is
+        whole = {n for n in names if smaller.isdisjoint((n, singular(n)))}
+        names = whole or {n for n in names if not n.endswith("s")}
+        theirs = {name for m in mentions for n in m.named if n.kind == "things" for name in n.names}
+        named = any(m.noun == "subject" for m in mentions) or theirs & materials_of("subject", self._scene)
+        is_clear = len(names) == 1 and names.isdisjoint(self._vocabulary.words["scenery"]) and not named
+        return names.pop() if is_clear and self._is_of_one_color() and not self._has_a_name() else ""
+
+    def _has_a_name(self) -> bool:
+        """True if the largest part of the subject is called what it is, and not by a substance, a part or a shape."""
+        general = frozenset[str]().union(*map(name_words, ("primitives", "limbs", "details", "pipeline")))
+        wearers = (name for name, worn in self._scene.object_materials.items() if self._main in worn)
+        words = {word for name in (self._main, *wearers) for word in parts(name)}
+        senses = {word: thing_words().get(word, frozenset()) for word in words}  # in English, too
+        known = (word for word in words if senses[word] and not is_of_surfaces(word, self._vocabulary))
+        tells = any(general.isdisjoint({word} if word in senses[word] else senses[word]) for word in known)
+        return tells and len(self._scene.materials) > 1
+
+    def _is_of_one_color(self) -> bool:
+        """True if most of the visible subject has one color, or if no colors are known."""
+        main = self._looks.get(self._main, MaterialLook())
+        alike = (x.share for x in self._looks.values() if x is main or is_alike(x.color, main.color))
+        return not self._main or sum(alike) > _MAIN * sum(look.share for look in self._looks.values())

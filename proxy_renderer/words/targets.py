@@ -99,7 +99,7 @@ def targets(mentions: list[NounMention], words: SceneDescription) -> list[Target
             names = rest(mentions, words) if kind == "others" else lights
             found.append(Target(kind, names, number, frozenset({f"noun {mention.noun}"})))
         # Materials of a noun without those of other nouns: "the hut red, its roof black"
-        others = [taken([m], words) for m in mentions if m.members == 1 and m is not mention and not m.excepted]
+        others = [taken([m], words) for m in mentions if m.members == 1 and m is not mention]
         for named in (n for n in mention.named if n.kind == "things" and not mention.excepted):
             theirs = frozenset[str]().union(*(other for other in others if other < named.names))
             if theirs and named.names - theirs:

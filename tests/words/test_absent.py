@@ -28,7 +28,6 @@ def said(prompt, scene):
         ("white vase, black tie", {"white"}, "tie"),
         ("red door, yellow lemons", {"yellow"}, "door"),
         ("warm light, copper kettle, glossy vase", {"warm light", "glossy"}, "kettle"),
-        ("screens lit pale green, glossy vase", {"glossy"}, "screens"),
         ("strap darker, glossy vase", {"glossy"}, "strap"),
     ],
 )
@@ -44,7 +43,6 @@ def test_a_word_whose_object_is_not_in_the_scene_is_not_used(prompt, used, absen
         ("glossy red monkey", {"glossy", "red"}),
         ("glossy teal, warm light", {"glossy", "teal", "warm light"}),
         ("a gold statue, white background", {"gold", "white"}),
-        ("a vase made of water", {"made of water"}),
     ],
 )
 def test_the_only_thing_there_may_be_called_anything(prompt, used):
