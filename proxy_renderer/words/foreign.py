@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import Literal
 
 from .lexicon.entries import normalize
-from .lexicon.languages import TABLES, LanguageLexicon, folded, lexicons
+from .lexicon.languages import TABLES, LanguageLexicon, folded, lexicons, table
 from .lexicon.vocabulary import Vocabulary, shipped_vocabulary
-from .lexicon.word_table import table
 from .names import parts
 from .types import Attribute, Parsed, SceneDescription
 

@@ -94,6 +94,8 @@ def fit(words: tuple[str, ...], name: tuple[str, ...], vocabulary: Vocabulary) -
         found = (w in name or (_shares_a_sense(w, name) and not is_of_surfaces(w, vocabulary)) for w in words)
         return "all" if all(found) or joined in name else ""
     (word,) = words
+    if word in name_words("sides"):  # "from the right"
+        return ""
     if word == name[-1] or word == "".join(name[-2:]):
         return "last"
     if word in name:

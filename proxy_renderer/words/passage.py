@@ -72,12 +72,6 @@ class Passage:
     wishes: list[list[str]] = field(default_factory=list)  # words of wishes that only a modeler can fulfill
     beyond: list[str] = field(default_factory=list)  # words that no parameter can fulfill
 
-    def tinged(self, look: PromptLook) -> PromptLook | None:
-        """The color right after a look word, whose shade the look word may be; None if there is none."""
-        clause = self.items[look.index].clause
-        following = (other for other in self.looks if other.index == look.index + 1 and other.token.color)
-        return next((other for other in following if self.items[other.index].clause == clause), None)
-
     def content(self, start: int, end: int) -> list[Token]:
         """The items from `start` to before `end` that are no fillers."""
         return [item for item in self.items[max(start, 0) : end] if not item.filler]
@@ -108,6 +102,8 @@ def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterato
             if not (about_looks and all(t.known and "count" not in t.lists for t in objects)):
                 until = index + 1 + len(objects)
                 found.wishes.append([t.text for t in tokens[index:until] if not t.lists & {"stop", "joiner"}])
+        elif "focus" in token.lists:  # "focus on the cup" wishes nothing of the cup
+            until = len(tokens)
         yield replace(token, clause=number, wished=index < until)
 
 

@@ -1,42 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
 """Binds the look words of a prompt by fitted weights, and turns them into attributes for the planner."""
 
-import math
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from ..schema import VibeError
 from ..schema.parameters import Region
-from .attributes import NamedThing, light_phrases, shaded
-from .lexicon.entries import VocabularyEntry
+from .attributes import NamedThing, light_phrases
 from .lexicon.languages import name_words, singular, thing_words
-from .lexicon.rigs import TIMES, rig_table
+from .lexicon.rigs import rig_table
 from .lexicon.vocabulary import Vocabulary
 from .mentions import OwnNouns
-from .model import likeliest_row, probabilities, reading, scores, shipped_weights
+from .model import likeliest, reading, shipped_weights
 from .names import is_detail, is_of_surfaces, parts
-from .passage import STRUCTURES, PromptLook
+from .passage import STRUCTURES
 from .scene import NounMention, is_alike, materials_of
-from .targets import (
-    LAMPS,
-    MATTER,
-    NOWHERE,
-    ROLES,
-    SURFACE,
-    TINGE,
-    PromptPairs,
-    TargetPair,
-    rest,
-    sense_at,
-    with_choices,
-)
+from .targets import LAMPS, MATTER, ROLES, SURFACE, PromptPairs, TargetPair, rest, sense_at, with_choices
 from .types import STRONGEST, WEAKEST, Attribute, MaterialLook, Parsed, SceneDescription
 
 _PLAIN = "Use plain look words that the vocabulary knows."
-_UNSURE = 0.35
-"""A word that is no look word with a greater probability is not used; chosen on a half of tests/words/ordinary_words.toml."""
 _MAIN = 0.7  # least share of the subject that has one color, for a subject of one material
 _LESS = 0.7  # share of the opposite that "less" asks for
 _KINDS = {"lights": "light", "key": "light", "air": "fog"}  # of target -> of thing, where they differ
@@ -65,7 +49,7 @@ class PromptReading:
     @cached_property
     def probabilities(self) -> list[list[tuple[TargetPair, float]]]:
         """The likeliest pairs of each look word with their probabilities, without the artist's choices."""
-        return probabilities(self.pairs, self.weights)
+        return [likeliest(pairs, self.weights) for pairs in self.pairs.pairs]
 
 
 def read_words(
@@ -79,7 +63,7 @@ def read_words(
     english: Mapping[str, str] | None = None,
     is_part: bool = False,
 ) -> PromptReading:
-    """Scores every look word with everything that it may describe, and takes the likeliest row of all.
+    """Scores every look word with everything that it may describe, and takes the likeliest.
 
     Args:
         targets: Word -> the target that the artist has chosen for it.
@@ -92,8 +76,11 @@ def read_words(
     weights = shipped_weights() if weights is None else weights
     pairs = reading(text, scene, vocabulary, foreign)
     phrases = light_phrases(pairs.passage, vocabulary, rig_table())
-    each = zip(likeliest_row(pairs, weights), pairs.pairs, strict=True)
-    row = [_in_its_light(pair, others, pairs.mentions, phrases) for pair, others in each]
+    ranked = [[pair for pair, _ in likeliest(each, weights)] for each in pairs.pairs]
+    row = [each[0] for each in ranked]
+    if all(pair.target.kind == "none" for pair in row):  # then each word describes something, if it can
+        row = [next((p for p in each if p.target.kind != "none"), each[0]) for each in ranked]
+    row = [_in_its_light(pair, each, pairs.mentions, phrases) for pair, each in zip(row, ranked, strict=True)]
     chosen, unused = with_choices(row, targets or {}, english or {}, scene, vocabulary)
     objects = AbsentObjects(pairs, scene, vocabulary)
     subject, parsed, passage = objects.subject or scene.subject, Parsed(text), pairs.passage
@@ -119,7 +106,14 @@ def read_words(
         elif said and token.guess:
             parsed.guesses[token.text] = token.guess
     parsed.notes += [f"'{word}' is no look word here: its target is not used." for word in unused]
-    parsed.ignored += [*(w for words in passage.wishes for w in words), *passage.beyond, *_unknown(read)]
+    # Words that name nothing that is known, and are no look either
+    bound = {pair.look.index for pair in chosen if pair.target.kind != "none"}
+    named = {m.text for m in pairs.mentions if m.named}
+    unknown = (m for m in pairs.mentions if m.noun == "unknown" and not m.named and m.start not in bound)
+    parsed.ignored += [*(w for words in passage.wishes for w in words), *passage.beyond]
+    parsed.ignored += [m.text for m in unknown if m.text != subject]
+    parsed.ignored += [t.text for t in passage.items if t.unsure and not t.scene and t.text not in named]
+    parsed.ignored += [t.text for t in passage.items if "count" in t.lists or t.text.isdigit()]
     parsed.guesses |= {item.text: item.guess for item in passage.items if item.scene and item.guess}
     return read
 
@@ -133,7 +127,7 @@ def _in_its_light(
     """
     target, token, numbers = pair.target, pair.look.token, phrases.get(pair.look.index)
     named_here = target.mention >= 0 and phrases.get(mentions[target.mention].start) == numbers
-    may_be = target.kind in LAMPS or (target.kind in (*MATTER, "none") and (token.color or token.adjective))
+    may_be = target.kind in (*LAMPS, "none") or (target.kind in MATTER and (token.color or token.adjective))
     if not numbers or named_here or not may_be:
         return pair
     return next((other for other in pairs if other.target.kind == "light"), pair)
@@ -150,47 +144,14 @@ def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
         return _attributes(read, pair, entry, replace(thing, thing=pair.chosen) if pair.target.names else thing)
     # "pier", if the scene has one
     is_a_name = any(m.named and m.covers(pair.look.index) for m in read.pairs.mentions)
-    unsure = _is_unsure(read, number)
-    if (kind == "none" or unsure) and not is_a_name and _is_a_light(read, pair):
-        return _attributes(read, pair, token.entry, _of("light", token.text, "whole"))
-    if number in read.absent or unsure:
+    if number in read.absent:
         return []
-    if kind in NOWHERE:
-        return None if kind == TINGE or is_a_name else []
+    if kind == "none":
+        return None if is_a_name else []
     for after in read.chosen[number + 1 : number + 2]:  # "emerald" of "emerald velvet" is a color
         adjoins = token.color and after.look.index == pair.look.index + 1
         entry = "" if adjoins and after.sense.slot == pair.sense.slot == "material" else entry
-    said = _attributes(read, pair, entry, _thing(read, pair))
-    for before in read.chosen[max(number - 1, 0) : number]:
-        if before.target.kind == TINGE and (alone := sense_at(before.look.token, "things", read.vocabulary)):
-            shade = before.look.text, alone.entry, before.look.strength
-            said = [shaded(each, *shade, read.vocabulary) for each in said]
-    return said
-
-
-def _is_unsure(read: PromptReading, number: int) -> bool:
-    """True if a word is likely no look word, and no noun names what it describes."""
-    target, pairs = read.chosen[number].target, read.pairs.pairs[number]
-    if target.mention >= 0 or target.kind not in (*MATTER, "picture") or len(read.chosen) == 1:
-        return False
-    likely = zip(scores(pairs, read.weights), pairs, strict=True)
-    return sum(math.exp(score) for score, each in likely if each.target.kind == "none") > _UNSURE
-
-
-def _is_described(read: PromptReading, pair: TargetPair) -> bool:
-    """True if a word is the object that other words describe."""
-    described = (p.target.mention for p in read.chosen if p is not pair and p.target.mention >= 0)
-    return any(read.pairs.mentions[mention].covers(pair.look.index) for mention in described)
-
-
-def _is_a_light(read: PromptReading, pair: TargetPair) -> bool:
-    """True if a word that seems to name a thing is a source of light that a rig is for: "a single candle on the left"."""
-    token, rig = pair.look.token, rig_table().rigs.get(pair.look.token.entry)
-    before = read.pairs.passage.items[pair.look.index - 1 : pair.look.index]
-    is_there = any("definite" in item.lists for item in before)  # "the candle is red"
-    if rig is None or is_there or _is_described(read, pair):
-        return False
-    return rig.kind in ("source", *TIMES) and not (rig.adds or token.guess)
+    return _attributes(read, pair, entry, _thing(read, pair))
 
 
 def _attributes(read: PromptReading, pair: TargetPair, entry: str, thing: Attribute) -> list[Attribute]:
@@ -214,19 +175,17 @@ def _attributes(read: PromptReading, pair: TargetPair, entry: str, thing: Attrib
         return [own]
     if read.is_part:
         raise VibeError(f"Vocabulary: '{known.name}', for which a mood stands, is a mood itself.", _PLAIN)
-    return [own, *_meant(read, word, known, thing.kind == "tone")]
-
-
-def _meant(read: PromptReading, word: PromptLook, known: VocabularyEntry, grade: bool) -> Iterator[Attribute]:
-    """Attributes that a mood stands for; with `grade` only those of the slot "grade"."""
+    found = [own]
     for text in known.means.split(","):
         meant = read_words(text, SceneDescription(), read.vocabulary, read.weights, is_part=True)
         if not meant.parsed.attributes:
             problem = f"Vocabulary: '{text.strip()}', for which '{known.name}' stands, is no look."
             raise VibeError(problem, _PLAIN)
-        for part in (a for a in meant.parsed.attributes if a.slot == "grade" or not grade):
-            strength = min(max(part.strength * word.strength, WEAKEST), STRONGEST)
-            yield replace(part, cause=word.text, strength=strength, guess=bool(word.token.guess))
+        for part in meant.parsed.attributes:
+            if part.slot == "grade" or thing.kind != "tone":  # "a moody grade" means no light
+                strength = min(max(part.strength * word.strength, WEAKEST), STRONGEST)
+                found.append(replace(part, cause=word.text, strength=strength, guess=bool(token.guess)))
+    return found
 
 
 def _thing(read: PromptReading, pair: TargetPair) -> Attribute:
@@ -269,17 +228,6 @@ def _matter(read: PromptReading, pair: TargetPair) -> Attribute:
         region, owners = "surroundings", ()
     read.mentioned.append((name, region, owners))
     return _of(region, name, region, owners)
-
-
-def _unknown(read: PromptReading) -> Iterator[str]:
-    """Words that name nothing that is known, and are no look either."""
-    items, mentions = read.pairs.passage.items, read.pairs.mentions
-    bound = {pair.look.index for pair in read.chosen if pair.target.kind != "none"}
-    unknown = (m for m in mentions if m.noun == "unknown" and not m.named)
-    named = {m.text for m in mentions if m.named}
-    yield from (m.text for m in unknown if m.start not in bound and m.text != read.subject)
-    yield from (t.text for t in items if t.unsure and not t.scene and t.text not in named)
-    yield from (t.text for t in items if "count" in t.lists or t.text.isdigit())
 
 
 class AbsentObjects:

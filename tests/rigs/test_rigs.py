@@ -448,15 +448,6 @@ def test_a_sky_has_the_color_that_words_give_it(rig):
     assert _under_named_sky(rig_table().rigs[rig], plain.attributes) == rig_table().rigs[rig]
 
 
-@pytest.mark.parametrize("mood", ["gritty", "horror", "cinematic", "moody"])
-def test_a_mood_of_the_grade_alone_is_no_light(mood):
-    vocabulary = default_vocabulary()
-    of_grade = goals_of(parse(f"{mood} bleach bypass grade", SceneDescription(), vocabulary))
-    assert chosen_rig(of_grade, rig_table(), vocabulary) is None
-    assert {a.slot for a in of_grade.parsed.attributes if a.cause} == {"grade"}
-    assert chosen_rig(goals_of(parse(f"{mood} mood", SceneDescription(), vocabulary)), rig_table(), vocabulary)
-
-
 def test_each_light_names_the_word_that_asked_for_it(scene):
     """In what is planned, and so in the panel's list of changes."""
     addition = set_stage([scene], "red light from the left, blue light from the right")

@@ -43,6 +43,7 @@ def test_a_word_whose_object_is_not_in_the_scene_is_not_used(prompt, used, absen
         ("glossy red monkey", {"glossy", "red"}),
         ("glossy teal, warm light", {"glossy", "teal", "warm light"}),
         ("a gold statue, white background", {"gold", "white"}),
+        ("a vase made of water", {"made of water"}),
     ],
 )
 def test_the_only_thing_there_may_be_called_anything(prompt, used):
