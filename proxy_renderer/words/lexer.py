@@ -112,6 +112,12 @@ class Lexer:
         tokens: list[Token] = []
         start = 0
         while start < len(words):
+            light = tokens[-1] if tokens else Token("")
+            is_light = light.noun == "light" or self.vocabulary.slot(light.entry) == "lighting"
+            if is_light and not light.scene and words[start] in self.vocabulary.words["placed"]:  # "a light behind"
+                tokens.append(replace(self._phrase(f"from {words[start]}"), text=words[start]))
+                start += 1
+                continue
             for count in range(min(_LONGEST, len(words) - start), 0, -1):
                 part = words[start : start + count]
                 if self._ends_in_thing(part):

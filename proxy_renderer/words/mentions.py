@@ -101,11 +101,17 @@ class _NounFinder:
 
     def _of_one(self, start: int, said: tuple[str, ...]) -> list[Named]:
         """What a single token names in the scene, by all of its words or else by the last one."""
-        named, last = self.index.named(said) or self._lamps(said), said[-1:]
-        if not named and len(said) > 1 and self.items[start].noun != "tone":  # "the whole picture" is no object
+        token, last = self.items[start], said[-1:]
+        named, plural = self.index.named(said) or self._lamps(said), token.text.endswith("s")
+        of_a_role = token.text in self.vocabulary.roles or (token.noun in ("rim", "fill") and not plural)
+        if not named and len(said) > 1 and token.noun != "tone":  # "the whole picture" is no object
             named, said = self.index.named(last), last
-        if said == last and last[0] in self.vocabulary.lists["anylight"]:  # not one that is called "Light"
+        any_light = said == last and last[0] in self.vocabulary.lists["anylight"]
+        if any_light:  # not one that is called "Light"
             named = [n for n in named if n.signs != {"light exact"}]
+        of_light = any_light and not plural and self.vocabulary.nouns.get(last[0]) == "light"
+        if of_a_role or of_light:  # a "blue rim" is of light, though glasses have rims; and no light is a "Tail Light"
+            named = [n for n in named if n.kind == "lights"] or self._surely(named)
         return named
 
     def _is_of_the_next(self, start: int) -> bool:

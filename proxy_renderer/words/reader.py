@@ -22,6 +22,8 @@ from .types import STRONGEST, WEAKEST, Attribute, MaterialLook, Parsed, SceneDes
 
 _PLAIN = "Use plain look words that the vocabulary knows."
 _MAIN = 0.7  # least share of the subject that has one color, for a subject of one material
+_UNSURE = 0.35
+"""A word that is no look word with a greater probability is not used; chosen on a half of tests/words/ordinary_words.toml."""
 _LESS = 0.7  # share of the opposite that "less" asks for
 _KINDS = {"lights": "light", "key": "light", "air": "fog"}  # of target -> of thing, where they differ
 _OF_SLOT = {"lighting": "light", "atmosphere": "fog", "grade": "tone", "setting": "surroundings"}
@@ -144,7 +146,7 @@ def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
         return _attributes(read, pair, entry, replace(thing, thing=pair.chosen) if pair.target.names else thing)
     # "pier", if the scene has one
     is_a_name = any(m.named and m.covers(pair.look.index) for m in read.pairs.mentions)
-    if number in read.absent:
+    if number in read.absent or _is_unsure(read, number):
         return []
     if kind == "none":
         return None if is_a_name else []
@@ -152,6 +154,14 @@ def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
         adjoins = token.color and after.look.index == pair.look.index + 1
         entry = "" if adjoins and after.sense.slot == pair.sense.slot == "material" else entry
     return _attributes(read, pair, entry, _thing(read, pair))
+
+
+def _is_unsure(read: PromptReading, number: int) -> bool:
+    """True if a word is likely no look word, and no noun names what it describes."""
+    target = read.chosen[number].target
+    if target.mention >= 0 or target.kind not in (*MATTER, "picture") or len(read.chosen) == 1:
+        return False
+    return sum(share for each, share in read.probabilities[number] if each.target.kind == "none") > _UNSURE
 
 
 def _attributes(read: PromptReading, pair: TargetPair, entry: str, thing: Attribute) -> list[Attribute]:
