@@ -15,10 +15,10 @@ from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .lexer import TIES, Lexer, Token
+from .lexer import TIES, Token
 from .lexicon.vocabulary import Vocabulary
 from .mentions import OwnNouns, mentions
-from .passage import Passage, PromptLook, passage, with_changes
+from .passage import Passage, PromptLook, passage
 from .scene import NounMention, SceneIndex, fit_rank
 from .targets import LAMPS, MATTER, PromptPairs, Sense, Target, TargetPair, sense_at, targets
 from .types import SceneDescription
@@ -225,15 +225,9 @@ def _kinds(mentions: list[NounMention]) -> str:
     return " and ".join(sorted(kinds)) if len(kinds) <= 2 else "many"
 
 
-def looks(text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()) -> Passage:
-    """A prompt with its look words, of which nothing is bound; `foreign` are words of another language that are left in it."""
-    clauses = with_changes(Lexer(vocabulary, words, foreign).clauses(text), vocabulary)
-    return passage(clauses, vocabulary)
-
-
 def reading(text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()) -> PromptPairs:
-    """The look words of a prompt, each with everything that it may describe. Arguments as for `looks`."""
-    found = looks(text, words, vocabulary, foreign)
+    """The look words of a prompt, each with everything that it may describe. Arguments as for `passage`."""
+    found = passage(text, words, vocabulary, foreign)
     nouns = mentions(found, words.made(SceneIndex, vocabulary), vocabulary)
     every, own = targets(nouns, words), OwnNouns(found, nouns, vocabulary)
     forms, pairs = ClauseForms(found, nouns, vocabulary), []

@@ -16,9 +16,8 @@ from .lexicon.entries import normalize
 from .lexicon.languages import any_of, singular, thing_words
 from .lexicon.rigs import rig_table
 from .lexicon.vocabulary import Vocabulary, hour_entry, kelvin_entry
-from .model import looks
 from .names import parts, scene_names
-from .passage import LIGHTS
+from .passage import LIGHTS, passage
 from .scene import REGIONS, LookIndex, SceneIndex, fit_rank, materials_of
 from .targets import sense_at
 from .types import GLOW, SaidLink, SceneDescription
@@ -63,8 +62,8 @@ def normalized(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> No
             return f"no {key}"
         if key in own:
             kind = "lights" if own[key] in scene.lights else "things"
-            before = [look.text for look in looks(pair.string[: pair.start()], scene, vocabulary).looks]
-            for look in looks(value, scene, vocabulary).looks:
+            before = [look.text for look in passage(pair.string[: pair.start()], scene, vocabulary).looks]
+            for look in passage(value, scene, vocabulary).looks:
                 before.append(look.text)
                 if sense_at(look.token, kind, vocabulary):
                     targets[f"{look.text}{NUMBER}{before.count(look.text)}"] = own[key]

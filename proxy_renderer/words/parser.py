@@ -22,10 +22,10 @@ from .lexer import Token
 from .lexicon.entries import normalize
 from .lexicon.vocabulary import Vocabulary, default_vocabulary
 from .mentions import mentions, named_objects
-from .model import FactWeights, looks, scores
+from .model import FactWeights, scores
 from .names import fit, parts
 from .normalized import Normalized, normalized
-from .passage import Passage
+from .passage import Passage, passage
 from .reader import PromptReading, read_words
 from .scene import SceneIndex
 from .targets import described_name, key_numbers, plain_key, sense_at, target_name
@@ -55,7 +55,7 @@ class Understood:
         self.unknown: VibeError | None
         vocabulary = default_vocabulary()
         try:
-            found = looks(_opened(prompt, scene, vocabulary)[2].text, scene, vocabulary)
+            found = passage(_opened(prompt, scene, vocabulary)[2].text, scene, vocabulary)
             self.scene, stuck = _with_own_materials(found, scene, vocabulary)
             self._parsed = parsed = read(prompt, self.scene, vocabulary, told=checks.targets(told))
             parsed.notes += stuck.values()
@@ -100,7 +100,7 @@ def refuse_without_look(prompt: str) -> None:
     """Refuses a prompt that says nothing in any scene, before Blender is started; raises VibeError as `parse` does."""
     scene, vocabulary = SceneDescription(), default_vocabulary()
     glossed, mixed, normal = _opened(prompt, scene, vocabulary)
-    found = looks(normal.text, scene, vocabulary, glossed.unknown)
+    found = passage(normal.text, scene, vocabulary, glossed.unknown)
     if not (found.looks or normal.links or normal.notes):
         raise _without_look(glossed, mixed, undone=bool(found.wishes))
 
@@ -150,7 +150,7 @@ def read(
     reading = read_words(
         normal.text, scene, vocabulary, weights, foreign=glossed.unknown, targets=targets, english=english
     )
-    parsed, passage = reading.parsed, reading.pairs.passage
+    parsed, found = reading.parsed, reading.pairs.passage
     parsed.prompt = glossed.prompt
     parsed.protected = tuple(dict.fromkeys(key for _, kept in normal.protections for key in kept))
     parsed.links = tuple(normal.links)
@@ -158,10 +158,10 @@ def read(
     for text, kept in normal.protections:
         names = ", ".join(key.partition("/")[2] or key for key in kept)
         parsed.notes.append(f"'{text}': {names or 'what no word names'} stays as it is.")
-    undone = [" ".join(words) for words in passage.wishes]
-    if passage.beyond:
+    undone = [" ".join(words) for words in found.wishes]
+    if found.beyond:
         nothing = "no value of a material, light, world, fog or film gives that."
-        parsed.notes.append(f"{_quoted(passage.beyond)}: {nothing}")
+        parsed.notes.append(f"{_quoted(found.beyond)}: {nothing}")
     if undone:
         parsed.notes.append(f"{_quoted(undone)}: {_THINGS_STAY}")
     if mixed:

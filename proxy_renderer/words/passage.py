@@ -2,14 +2,14 @@
 """A prompt as a row of tokens, and its look words; "red" in "the roof from red to grey", a present look, is none."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field, replace
-from itertools import groupby, takewhile
+from itertools import takewhile
 
-from .lexer import Token
+from .lexer import Lexer, Token
 from .lexicon.languages import singular, thing_words
 from .lexicon.vocabulary import Vocabulary
-from .types import STRONGEST, WEAKEST
+from .types import STRONGEST, WEAKEST, SceneDescription
 
 _WISHES = {"action", "undo"}
 _ENDS = {*_WISHES, "again"}  # lists of words that end a wish
@@ -77,14 +77,14 @@ class Passage:
         return [item for item in self.items[max(start, 0) : end] if not item.filler]
 
 
-def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
-    """The look words of a prompt, given the tokens of each clause."""
+def passage(text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()) -> Passage:
+    """A prompt with its look words, of which nothing is bound; `foreign` are words of another language that are left in it."""
     found = Passage([])
-    for number, tokens in enumerate(clauses):
-        found.starts.add(len(found.items))
-        found.items += _without_wishes(number, tokens, found)
-    for _, clause in groupby(enumerate(found.items), key=lambda each: each[1].clause):
-        found.looks += _looks(found, clause, vocabulary)
+    for number, tokens in enumerate(Lexer(vocabulary, words, foreign).clauses(text)):
+        start = len(found.items)
+        found.starts.add(start)
+        found.items += _without_wishes(number, _with_changes(number, tokens, vocabulary), found)
+        found.looks += _looks(found, start, vocabulary)
     found.beyond = [i.text for i in found.items if "beyond" in i.lists]
     return found
 
@@ -107,16 +107,16 @@ def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterato
         yield replace(token, clause=number, wished=index < until)
 
 
-def _looks(found: Passage, clause: Iterable[tuple[int, Token]], vocabulary: Vocabulary) -> Iterator[PromptLook]:
-    """The look words of a clause, with the intensities and negations before them."""
+def _looks(found: Passage, start: int, vocabulary: Vocabulary) -> Iterator[PromptLook]:
+    """The look words of the clause that begins at a place, with the intensities and negations before them."""
     prefix: list[str] = []
     strength, negated = 1.0, False
-    for index, token in clause:
+    for index, token in enumerate(found.items[start:], start):
         if token.wished or "beyond" in token.lists:
             continue
         following = next(iter(found.content(index + 1, len(found.items))), None)
         absent = negated and token.noun in vocabulary.absent and not token.entry  # "no shadows" is a look too
-        before_a_look = following and following.clause == token.clause and following.names_a_look
+        before_a_look = following and following.names_a_look
         if token.strength is not None and (before_a_look or not token.names_a_look):  # no "strong light"
             strength = min(max(strength * token.strength, WEAKEST), STRONGEST)
             prefix.append(token.text)
@@ -142,19 +142,16 @@ def is_object(token: Token, vocabulary: Vocabulary) -> bool:
     return token.scene or structure or (singular(token.text) in thing_words() and not token.known)
 
 
-def with_changes(clauses: list[list[Token]], vocabulary: Vocabulary) -> list[list[Token]]:
-    """Clauses in which each object holds its present looks, see `Token.presents`: "the roof from red to slate"."""
-    found = []
-    for clause, tokens in enumerate(clauses, start=1):
-        for number in range(_MOST):  # "make the red door blue and the white wall grey"
-            letters = "".join(_letter(token, vocabulary) for token in tokens)
-            matches = filter(None, (pattern.search(letters) for pattern in _CHANGES))
-            match = next((match for match in matches if _is_a_change(tokens, match)), None)
-            if match is None or "G" in letters:
-                break
-            tokens = _changed(clause * _MOST + number, tokens, match)
-        found.append(tokens)
-    return found
+def _with_changes(clause: int, tokens: list[Token], vocabulary: Vocabulary) -> list[Token]:
+    """A clause in which each object holds its present looks, see `Token.presents`: "the roof from red to slate"."""
+    for number in range(1, _MOST + 1):  # "make the red door blue and the white wall grey"
+        letters = "".join(_letter(token, vocabulary) for token in tokens)
+        matches = filter(None, (pattern.search(letters) for pattern in _CHANGES))
+        match = next((match for match in matches if _is_a_change(tokens, match)), None)
+        if match is None or "G" in letters:
+            break
+        tokens = _changed(clause * _MOST + number, tokens, match)
+    return tokens
 
 
 def _letter(token: Token, vocabulary: Vocabulary) -> str:
