@@ -2,7 +2,7 @@
 """Binds the look words of a prompt by fitted weights, and turns them into attributes for the planner."""
 
 from collections import defaultdict
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -108,16 +108,20 @@ def read_words(
         elif said and token.guess:
             parsed.guesses[token.text] = token.guess
     parsed.notes += [f"'{word}' is no look word here: its target is not used." for word in unused]
-    # Words that name nothing that is known, and are no look either
-    bound = {pair.look.index for pair in chosen if pair.target.kind != "none"}
-    named = {m.text for m in pairs.mentions if m.named}
-    unknown = (m for m in pairs.mentions if m.noun == "unknown" and not m.named and m.start not in bound)
-    parsed.ignored += [*(w for words in passage.wishes for w in words), *passage.beyond]
-    parsed.ignored += [m.text for m in unknown if m.text != subject]
-    parsed.ignored += [t.text for t in passage.items if t.unsure and not t.scene and t.text not in named]
-    parsed.ignored += [t.text for t in passage.items if "count" in t.lists or t.text.isdigit()]
+    parsed.ignored += [*(w for words in passage.wishes for w in words), *passage.beyond, *_unknown(read)]
     parsed.guesses |= {item.text: item.guess for item in passage.items if item.scene and item.guess}
     return read
+
+
+def _unknown(read: PromptReading) -> Iterator[str]:
+    """Words that name nothing that is known, and are no look either."""
+    items, mentions = read.pairs.passage.items, read.pairs.mentions
+    bound = {pair.look.index for pair in read.chosen if pair.target.kind != "none"}
+    named = {m.text for m in mentions if m.named}
+    unknown = (m for m in mentions if m.noun == "unknown" and not m.named and m.start not in bound)
+    yield from (m.text for m in unknown if m.text != read.subject)
+    yield from (t.text for t in items if t.unsure and not t.scene and t.text not in named)
+    yield from (t.text for t in items if "count" in t.lists or t.text.isdigit())
 
 
 def _in_its_light(
@@ -129,8 +133,9 @@ def _in_its_light(
     """
     target, token, numbers = pair.target, pair.look.token, phrases.get(pair.look.index)
     named_here = target.mention >= 0 and phrases.get(mentions[target.mention].start) == numbers
-    may_be = target.kind in (*LAMPS, "none") or (target.kind in MATTER and (token.color or token.adjective))
-    if not numbers or named_here or not may_be:
+    is_a_name = any(m.named and m.covers(pair.look.index) for m in mentions)
+    may_be = target.kind in LAMPS or (target.kind in MATTER and (token.color or token.adjective))
+    if not numbers or named_here or not (may_be or (target.kind == "none" and not is_a_name)):
         return pair
     return next((other for other in pairs if other.target.kind == "light"), pair)
 

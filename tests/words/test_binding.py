@@ -9,7 +9,6 @@ from dataclasses import replace
 import pytest
 
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.words.model import reading
 from proxy_renderer.words.names import fit, parts
 from proxy_renderer.words.parser import parse, why
 from proxy_renderer.words.reader import read_words
@@ -110,16 +109,6 @@ BALLS = SceneDescription(
 )
 
 
-def test_one_of_several_alike_things_is_told_by_its_number():
-    (red,) = parse("Sphere.002 red", BALLS, shipped_vocabulary()).attributes
-    assert red.owners == ("Three",)
-
-
-def test_a_word_may_only_say_the_shade_of_the_color_after_it():
-    (pairs, _) = reading("fire red crate", GARAGE, shipped_vocabulary()).pairs
-    assert "tinge" in {pair.target.kind for pair in pairs}
-
-
 def test_why_names_targets_scores_and_facts():
     told = why(read_words("red car, warm desk lamp", GARAGE, shipped_vocabulary()))
     assert "→" in told
@@ -152,14 +141,6 @@ def test_light_is_any_light_though_one_is_called_so() -> None:
     for scene in (one, two):
         (warm,) = (a for a in parse("dusk, warm light", scene).attributes if a.word == "warm light")
         assert warm.lights == ()
-
-
-def test_a_light_is_told_by_its_number() -> None:
-    called = {name: LightDescription("AREA", "fill", 0.0) for name in ("Area", "Area.001", "Light", "Light.002")}
-    scene = replace(GARAGE, lights=called)
-    for prompt, name in (("Area.001 blue", "Area.001"), ("Light.002 blue", "Light.002")):
-        (blue,) = (a for a in parse(prompt, scene).attributes if a.word == "blue")
-        assert blue.lights == (name,)
 
 
 def test_one_light_is_no_headlight() -> None:

@@ -125,8 +125,13 @@ def load(text: str, colors: str) -> Vocabulary:
     except tomllib.TOMLDecodeError as error:
         raise VibeError(f"The vocabulary cannot be read: {error}.", "Mend that line.") from error
     named = (line.rsplit(" ", 1) for line in colors.splitlines() if line and not line.startswith("#"))
-    kelvins = {kelvin_entry(kelvins): _kelvin_rows(kelvins) for kelvins in range(_LEAST, _MOST + 1, _STEP)}
-    looks = {normalize(name): row for name, row in rows["look"].items()} | kelvins
+    looks: dict[str, dict[str, Any]] = {normalize(name): row for name, row in rows["look"].items()}
+    kelvins = range(_LEAST, _MOST + 1, _STEP)
+    for kelvin in kelvins:
+        tint = "warm" if kelvin < _WARM else "cool" if kelvin > _COOL else ""
+        wishes = [f"light_color is {tint}"] if tint else []
+        wishes.append(f"lights/temperature {kelvin * (1 - _REACH):.0f}..{kelvin * (1 + _REACH):.0f} !1")
+        looks[kelvin_entry(kelvin)] = {"slot": "lighting", "wishes": wishes, "phrase": f"{tint or 'neutral'} light"}
     entries = {name: read_entry(name, row) for name, row in looks.items()}
     synonyms: dict[str, str] = {}
     for entry in entries.values():
@@ -135,7 +140,8 @@ def load(text: str, colors: str) -> Vocabulary:
             synonyms.setdefault(word, entry.name)
     synonyms |= {name: name for name in entries}  # in their order, which decides between equally near words
     adjectives = {normalize(w): {k: normalize(e) for k, e in kinds.items()} for w, kinds in rows["adjective"].items()}
-    adjectives |= {name: dict.fromkeys(("light", "fill", "rim", "otherwise"), name) for name in kelvins}
+    of_light = ("light", "fill", "rim", "otherwise")
+    adjectives |= {name: dict.fromkeys(of_light, name) for name in map(kelvin_entry, kelvins)}
     elsewhere = {kind: _by_word(each) for kind, each in rows["elsewhere"].items()}
     said = [(word, name) for word, kinds in adjectives.items() for name in kinds.values()]
     said += [both for words in elsewhere.values() for both in words.items()]
@@ -197,16 +203,6 @@ def _by_word(rows: dict[str, str]) -> dict[str, str]:
 def kelvin_entry(kelvins: float) -> str:
     """The name of the entry of a color temperature, the nearest that lights can have."""
     return f"{min(max(round(kelvins / _STEP) * _STEP, _LEAST), _MOST)} kelvin"
-
-
-def _kelvin_rows(kelvins: int) -> dict[str, Any]:
-    tint = "warm" if kelvins < _WARM else "cool" if kelvins > _COOL else ""
-    range_ = f"{kelvins * (1 - _REACH):.0f}..{kelvins * (1 + _REACH):.0f}"
-    return {
-        "slot": "lighting",
-        "wishes": [*([f"light_color is {tint}"] if tint else []), f"lights/temperature {range_} !1"],
-        "phrase": f"{tint or 'neutral'} light",
-    }
 
 
 # The artist's own words
