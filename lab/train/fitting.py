@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 from scipy.optimize import minimize
@@ -19,9 +18,7 @@ from proxy_renderer.words.model import FactWeights
 from proxy_renderer.words.targets import PromptPairs, TargetPair
 
 _LEAST = 3  # sentences in which a fact has to be
-_WRONG = -1e9  # logarithm of a probability of nothing
 _UNTIL = {"maxiter": 300, "ftol": 1e-6}  # steps, and the share of the loss that a step has to gain
-T = TypeVar("T")
 
 
 @dataclass(frozen=True)

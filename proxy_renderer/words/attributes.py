@@ -31,17 +31,13 @@ def complete(parsed: Parsed, subject: str, things: list[NamedThing], sky: bool =
     for number, each in enumerate(parsed.attributes):
         if each.kind == "sky" and each.color and not sky:  # an unseen sky is light: its color is the image's
             parsed.attributes[number] = replace(each, kind="ambience", region="whole")
-    parsed.objects = _objects(parsed.attributes, subject, things)
     parsed.ignored = list(dict.fromkeys(parsed.ignored))
     parsed.notes = list(dict.fromkeys(parsed.notes))
-
-
-def _objects(attributes: list[Attribute], subject: str, things: list[NamedThing]) -> list[PromptObject]:
     main = next((name for name, region, _ in things if region == "subject"), subject) or "subject"
     objects: dict[tuple[str, Region], PromptObject] = {(main, "subject"): PromptObject(main, "subject")}
     objects |= {(name, region): PromptObject(name, region, materials=its) for name, region, its in things}
     around = next((k for k in objects if k[1] == "surroundings"), ("surroundings", "surroundings"))
-    for attribute in (a for a in attributes if not a.cause):
+    for attribute in (a for a in parsed.attributes if not a.cause):
         key = (attribute.thing, attribute.region)
         if key not in objects:
             is_outer = _OUTER & {attribute.region, attribute.slot, attribute.kind}
@@ -52,7 +48,7 @@ def _objects(attributes: list[Attribute], subject: str, things: list[NamedThing]
             slot, word = _COLORED.get(attribute.kind, "grade"), f"{word} {attribute.thing}"
         said = [*filter(None, slots.get(slot, "").split(", ")), word]
         slots[slot] = ", ".join(dict.fromkeys(said))
-    return list(objects.values())
+    parsed.objects = list(objects.values())
 
 
 # Colors
@@ -116,7 +112,10 @@ def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> d
     number, spoken_of, several = 0, 0, False
     for places in parts:
         items = [passage.items[place] for place in places]
-        goes_on = all(_goes_on(item, rigs, vocabulary) for item in items)
+        # it may go on about the light before it, if it names no other thing and no setup
+        setups = any(item.entry in rigs.rigs and item.entry not in rigs.modifiers for item in items)
+        others = any(item.scene or not item.lists.isdisjoint(("others", "action")) for item in items)
+        goes_on = not (setups or others) and all(i.known and i.noun in ("", "glow") for i in items)
         heads = [n for n, item in enumerate(items) if is_light(item, rigs, vocabulary, several or spoken_of > 0)]
         # a color or an adjective of light, with a side: "magenta from the left", "warm from the right"
         of_light = (vocabulary.adjectives.get(item.adjective, {}).get("light", "") for item in items)
@@ -148,10 +147,3 @@ def is_light(item: Token, rigs: RigTable, vocabulary: Vocabulary, expected: bool
     # "light behind"
     behind = any(vocabulary.nouns.get(singular(word)) in LIGHTS for word in item.text.split())
     return behind or rigs.is_a_light(item.entry, item.text)
-
-
-def _goes_on(item: Token, rigs: RigTable, vocabulary: Vocabulary) -> bool:
-    """True if an item names no other thing and no setup, so that it may go on about the light before it."""
-    setup = item.entry in rigs.rigs and item.entry not in rigs.modifiers
-    names_another = item.scene or setup or not item.lists.isdisjoint(("others", "action"))
-    return item.known and item.noun in ("", "glow") and not names_another

@@ -112,9 +112,7 @@ class Lexer:
         tokens: list[Token] = []
         start = 0
         while start < len(words):
-            light = tokens[-1] if tokens else Token("")
-            is_light = light.noun == "light" or self.vocabulary.slot(light.entry) == "lighting"
-            if is_light and not light.scene and words[start] in self.vocabulary.words["placed"]:  # "a light behind"
+            if tokens and self._places(words[start:], tokens[-1]):
                 tokens.append(replace(self._phrase(f"from {words[start]}"), text=words[start]))
                 start += 1
                 continue
@@ -129,6 +127,13 @@ class Lexer:
                     start += count
                     break
         return tokens
+
+    def _places(self, words: list[str], light: Token) -> bool:
+        """True if words after a light say where it comes from: "behind" of "cold dawn behind it", not of "the sun behind the hills"."""
+        is_light = light.noun == "light" or self.vocabulary.slot(light.entry) == "lighting"
+        if light.scene or not is_light or words[0] not in self.vocabulary.words["placed"]:
+            return False
+        return len(words) < 3 or (what := self._phrase(words[2])).scene or what.noun == "subject"
 
     def _cuts_a_phrase(self, words: list[str], start: int, end: int) -> bool:
         """True if the words from start to end split a known phrase about no surface: "warm golden" splits "golden hour"."""
@@ -244,7 +249,10 @@ def _shaded(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
     if color and v.slot(last) != "grade":  # "faded sepia" is no paler brown
         for arguments in shades:
             color = shade(color, *arguments)
-        return Token(text, color=color, name=" ".join([*leading, name]))
+        # "dark copper": a color, and what the adjective means elsewhere
+        both = leading[-1] in v.words["lightness"] and last in v.adjectives
+        token = Token(text, color=color, name=" ".join([*leading, name]))
+        return replace(token, adjective=last, shades=tuple(shades)) if both else token
     tints = entry and entry.slot == "material" and any(e.name == "base_color" for e in entry.effects)
     if entry and tints and leading[-1] in v.words["lightness"] and text not in v.synonyms:
         return Token(text, entry.name, name=text, shades=tuple(shades))

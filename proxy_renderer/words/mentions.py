@@ -174,6 +174,8 @@ def _letters(passage: Passage, single: list[NounMention], vocabulary: Vocabulary
 
 def _joined(run: list[NounMention]) -> NounMention | None:
     """One mention for a list of nouns, with the surest names of each; None if they name nothing in the scene."""
+    if not any(mention.named for mention in run):
+        return None
     found = []
     for kind in ("things", "lights"):
         every = [named for mention in run if (named := surest(mention, kind, "whole"))]
@@ -183,9 +185,7 @@ def _joined(run: list[NounMention]) -> NounMention | None:
             least_sure = {*fit_signs(max(every, key=fit_rank))}  # a list is no surer
             found.append(Named(kind, names, shared | least_sure | {"joined", "joined whole"}))
     text, excepted = " and ".join(mention.text for mention in run), all(mention.excepted for mention in run)
-    named = any(mention.named for mention in run)
-    joined = NounMention(run[0].start, run[-1].end, text, named=(*found,), members=len(run), excepted=excepted)
-    return joined if named else None
+    return NounMention(run[0].start, run[-1].end, text, named=(*found,), members=len(run), excepted=excepted)
 
 
 def named_objects(mention: NounMention, index: SceneIndex) -> list[str]:

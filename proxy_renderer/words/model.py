@@ -66,8 +66,7 @@ class ClauseForms:
 
     def __init__(self, passage: Passage, mentions: list[NounMention], vocabulary: Vocabulary) -> None:
         self.passage, self.mentions, self.vocabulary = passage, mentions, vocabulary
-        self.sorts = {look.index: self.sort_of(look.token) for look in passage.looks}
-        self.look_at = self.sorts.keys()
+        self.look_at = {look.index for look in passage.looks}
         self.noun_at = {i for m in mentions for i in range(m.start, m.end + 1) if m.members == 1}
         self.places: dict[int, list[int]] = defaultdict(list)  # clause -> places of its items
         for place, item in enumerate(passage.items):
@@ -79,14 +78,6 @@ class ClauseForms:
         if token.entry:
             return self.vocabulary.entries[token.entry].slot
         return "color" if token.color else "adjective"
-
-    def role(self, place: int) -> str:
-        """The role of an item: "noun", "look", one of `TIES`, or "other"."""
-        if place in self.noun_at:
-            return "noun"
-        if place in self.look_at:
-            return "look"
-        return next((tie for tie in TIES if tie in self.passage.items[place].lists), "other")
 
     def lead(self, index: int) -> str:
         """The word before a look word and its neighbors that are looks too: "on" of "on a glossy black floor"."""
@@ -101,6 +92,17 @@ class ClauseForms:
             return f"'{item.text}'" if item.filler else "a noun" if place in self.noun_at else "others"
         return "nothing"
 
+    def turn(self, clause: int) -> str:
+        """The end of the clause before: "after a clause that ends in light"."""
+        if clause == 0:
+            return "after nothing"
+        last = next((p for p in reversed(self.places[clause - 1]) if p in self.noun_at | self.look_at), None)
+        if last is None:
+            return "after a clause of neither"
+        token = self.passage.items[last]
+        what = token.noun or ("a name" if last in self.noun_at else self.sort_of(token))
+        return f"after a clause that ends in {what}"
+
 
 class PairFeatures:
     """The facts about the pairs of one look word, as `binding.json` names them."""
@@ -110,9 +112,8 @@ class PairFeatures:
         self.items, self.mentions = forms.passage.items, forms.mentions
         covering = [m for m in self.mentions if m.covers(look.index)]
         self._sort, self._lead = forms.sort_of(look.token), forms.lead(look.index)
+        self._turn = forms.turn(self.items[look.index].clause)
         self._unnamed = [*self._unnamed_facts(is_noun=bool(covering))]
-        beside = ((1, "before"), (-1, "after"))  # look words next to this one
-        self._beside = [f"{side} {sort}" for step, side in beside if (sort := forms.sorts.get(look.index + step))]
 
     def of(self, target: Target, sense: Sense) -> Iterator[str]:
         """The facts about one pair."""
@@ -121,11 +122,17 @@ class PairFeatures:
         word = f"'{token.adjective or token.entry or 'a color'}'"  # colors are not told apart
         yield f"a {self._sort} word of {kind}"
         yield from (f"{word} at {group}", f"{word} of {kind}", f"{sense.way} at {group}")
+        if token.color and " " in token.text:
+            yield f"color that is {token.text.split()[0]} at {group}"
+        if token.color and token.text.endswith("s") and not token.name.endswith("s"):
+            yield f"plural color at {group}"
+        if token.color and token.entry:
+            yield f"color and entry at {group}"
         if target.mention >= 0:
             yield from self._named_facts(target, self.mentions[target.mention], group)
         else:
             yield from (f"{kind} unnamed: {fact}" for fact in self._unnamed)
-            yield from (f"{self._sort} of {kind} unnamed: {fact}" for fact in self._beside)
+            yield f"{self._sort} of {kind} unnamed: {self._turn}"
 
     def _unnamed_facts(self, is_noun: bool) -> Iterator[str]:
         """Facts about all targets that no noun names: what is named instead, and where the look word stands."""
@@ -133,17 +140,26 @@ class PairFeatures:
         clause = items[look].clause
         others = [m for m in self.mentions if not m.covers(look)]
         nouns = _kinds([m for m in others if items[m.start].clause != clause])
-        yield from (f"led by {self._lead}", f"led by {self._lead}, prompt names {nouns}")
+        yield from (f"led by {self._lead}", f"led by {self._lead}, prompt names {nouns}", self._turn)
+        # The nearest noun on each side: "white" of "piano in a white room" has the room after it
         own = [m for m in others if items[m.start].clause == clause]
-        yield f"{_kinds([m for m in own if m.start > look])} after"
-        yield f"{_kinds([m for m in own if m.end < look])} before"
+        after = sorted((m for m in own if m.start > look), key=lambda m: (m.start, m.end))[:1]
+        before = sorted((m for m in own if m.end < look), key=lambda m: (m.end, m.start))[-1:]
+        sides = [(m, look, m.start, "after") for m in after] + [(m, m.end, look, "before") for m in before]
+        for mention, low, high, side in sides:
+            right = "right " if self.forms.look_at.issuperset(range(low + 1, high)) else ""
+            yield f"{_kinds([mention])} {right}{side}"
         places = [p for p in self.forms.places[clause] if not items[p].filler]
         if len(places) == 1:
             yield "alone"
         if is_noun:
             yield "noun too"
         for place in [p for p in places if p > look][:1]:
-            yield from (f"before {self.forms.role(place)}", f"before '{items[place].text}'")
+            tie = next((tie for tie in TIES if tie in items[place].lists), "other")
+            role = "noun" if place in self.forms.noun_at else "look" if place in self.forms.look_at else tie
+            yield from (f"before {role}", f"before '{items[place].text}'")
+            if "hour" in items[place].lists:
+                yield f"a {self._sort} word before an hour"
 
     def _named_facts(self, target: Target, mention: NounMention, group: str) -> Iterator[str]:
         """Facts about what a noun names: how the noun and the look word stand to each other, and how the noun fits."""
@@ -161,6 +177,8 @@ class PairFeatures:
         elif self.forms.spares:
             yield f"{target.kind} where something is spared"
         yield f"{target.kind} by noun {mention.noun or 'of the scene'}"
+        if self.token.adjective and any(mention.covers(place) for place in self.forms.look_at):
+            yield f"'{self.token.adjective}' of {target.kind} by a noun that is a look"
         # How sure it is that the noun names this
         ranks = {n.names: fit_rank(n) for n in mention.named}
         surest = ranks.get(target.names, 0) <= min(ranks.values(), default=0)

@@ -203,7 +203,7 @@ def why(reading: PromptReading) -> str:
 
 def _prompt_words(reading: PromptReading, parsed: Parsed, own: Callable[[str], str]) -> tuple[PromptWord, ...]:
     """The look words of a prompt and the words that are left out, in its order; `own` gives its words for English ones."""
-    numbers = key_numbers([pair.look.text for pair in reading.chosen])
+    numbers, prompt = key_numbers([pair.look.text for pair in reading.chosen]), parsed.prompt
     words = []
     for number, end in enumerate(numbers):
         said = [a for a in parsed.attributes if a.look == number and not a.cause]
@@ -211,7 +211,15 @@ def _prompt_words(reading: PromptReading, parsed: Parsed, own: Callable[[str], s
             words.append(_look_word(reading, number, said, end, own))
     known = {word.text for word in words}
     words += [PromptWord(text, text) for text in dict.fromkeys(parsed.ignored) if text not in known]
-    return _placed(words, parsed.prompt)
+    # Their places; words that the prompt spells otherwise come last
+    placed, start = [], 0
+    for word in words:
+        text = r"[\W_]+".join(map(re.escape, re.findall(r"#?[^\W_]+", word.text)))
+        pattern = re.compile(text or r"(?!)", re.IGNORECASE)
+        match = pattern.search(prompt, start) or pattern.search(prompt)
+        start = match.end() if match and word.candidates else start
+        placed.append(replace(word, place=match.span() if match else None))
+    return tuple(sorted(placed, key=lambda word: word.place or (len(prompt), len(prompt))))
 
 
 def _look_word(
@@ -271,18 +279,6 @@ def _largest(scene: SceneDescription, _: Vocabulary) -> list[str]:
         return sum(look.worn.get(name, 0.0) for look in looks)
 
     return sorted(scene.object_materials, key=share, reverse=True)[:_MOST]
-
-
-def _placed(words: Iterable[PromptWord], prompt: str) -> tuple[PromptWord, ...]:
-    """Words with their places in a prompt, in its order; words that it spells otherwise come last."""
-    found, end = [], 0
-    for word in words:
-        text = r"[\W_]+".join(map(re.escape, re.findall(r"#?[^\W_]+", word.text)))
-        pattern = re.compile(text or r"(?!)", re.IGNORECASE)
-        match = pattern.search(prompt, end) or pattern.search(prompt)
-        end = match.end() if match and word.candidates else end
-        found.append(replace(word, place=match.span() if match else None))
-    return tuple(sorted(found, key=lambda word: word.place or (len(prompt), len(prompt))))
 
 
 # Copies of shared materials, so that no other object changes with the one that is named

@@ -27,10 +27,8 @@ _CHANGES = [
     re.compile(pattern)
     for pattern in (
         f"(?:V[^LNK]*)?{_X}[^LNK]*?f[d_]*{_A}t[d_]*{_B}",  # "change the roof from red to grey"
-        f"^[^LNK]*V[^LNK]*f[d_]*{_A}t[d_]*{_B}(?:[_d]*{_X})?",  # "go from red to grey on the roof"
         f"S[d_]*{_A}[^LNK]*?[wt][d_w]*{_B}[_d]*{_X}",  # "swap the cyan glow for orange on the rings"
         f"S[d_]*{_A}(?:[^LNK]*{_X})?[^LK]*?[wt][d_w]*{_B}O?",  # "swap the navy surface for oak"
-        f"S[d_]*{_X}{_A}[^LNK]*?[wt][d_w]*{_B}",  # the same where looks follow: "the car red"
         f"[VP][d_]*{_A}(?:[^LNK]*{_X})?[^LK]*?t[d_]*{_B}O?",  # "turn the purple ground into a pale mint"
         f"[VP](?:.*?_)??[_d]*{_A}{_X}(?:[._][^LVK]*?)?(?<!d){_B}(?!N)",  # "make the red chair blue"
         f"[VP]_*d{_A}(?:[._][^LVK]*?)?(?<!d){_B}(?!N)",  # "turn the black plastic between the stickers shiny"
@@ -38,7 +36,6 @@ _CHANGES = [
         f"(?:{_X}[^LNK]*)?R[d_]*{_A}_*b[d_]*{_B}",  # "the roof is no longer red but grey"
         f"{_B}{_X}[^LK]*?I[d_]*{_A}O?",  # "a grey roof instead of a red one"
         f"(?:{_X}[^LNK]*)?{_B}[^LNK]*?I[d_]*{_A}O?",  # "the roof grey instead of red"
-        f"(?:{_X}[^LNK]*)?I[d_]*(?P<a>L){_B}",  # "the roof, instead of red, grey"
     )
 ]
 _MOST = 4  # changes in one clause

@@ -12,7 +12,7 @@ from ..schema import Values
 from ..schema.material_copies import copied
 from .lexer import Token
 from .lexicon.vocabulary import Vocabulary
-from .names import FITS, best, fit, limbs, parts
+from .names import FITS, best, fit, limbs, parts, plain_name
 from .passage import STRUCTURES
 from .types import GLOW, MaterialLook, SceneDescription
 
@@ -162,15 +162,21 @@ class SceneIndex:
             for way in dict.fromkeys(ways.values()):  # in an order that is the same in every process
                 chosen = [name for name, its in ways.items() if its == way and name not in theirs]
                 signs = (f"{source} {way}", *(() if way == surest else ("less sure",)))
-                if source == "material":
-                    yield "things", chosen, (*signs, "whole")
-                    continue
-                named = (o for name in chosen for o in (groups[name] if source == "group" else (name,)))
-                objects = [o for o in named if worn.get(o)]
-                every = [m for o in objects for m in (*worn[o], *self._limbs[o])]
-                signs = (*signs, "of one object") if len(objects) == 1 else signs
+                objects: list[str] = []
+                if source == "material":  # and what the limbs of an object with the material's name wear
+                    called = (o for m in chosen for o in worn if plain_name(o) == plain_name(m) and m in worn[o])
+                    every = [*chosen, *(limb for o in called for limb in self._limbs.get(o, ()))]
+                else:
+                    named = (o for name in chosen for o in (groups[name] if source == "group" else (name,)))
+                    objects = [o for o in named if worn.get(o)]
+                    every = [m for o in objects for m in (*worn[o], *self._limbs[o])]
+                    signs = (*signs, "of one object") if len(objects) == 1 else signs
                 yield "things", every, (*signs, "whole")
-                if self._worn_by_limbs.isdisjoint(every):  # limbs look like their whole
+                for region in dict.fromkeys(self.words.materials.get(m) for m in every):
+                    mine = [m for m in every if self.words.materials.get(m) == region]
+                    if len(mine) < len(every):
+                        yield "things", mine, (*signs, "whole", f"only {region}")
+                if objects and self._worn_by_limbs.isdisjoint(every):  # limbs look like their whole
                     yield "things", [worn[o][0] for o in objects], (*signs, "first")
         lamps = self._ways(said, self._lights)
         surest = best(lamps.values())
