@@ -29,6 +29,7 @@ _CHANGES = [
         f"(?:V[^LNK]*)?{_X}[^LNK]*?f[d_]*{_A}t[d_]*{_B}",  # "change the roof from red to grey"
         f"S[d_]*{_A}[^LNK]*?[wt][d_w]*{_B}[_d]*{_X}",  # "swap the cyan glow for orange on the rings"
         f"S[d_]*{_A}(?:[^LNK]*{_X})?[^LK]*?[wt][d_w]*{_B}O?",  # "swap the navy surface for oak"
+        f"S[d_]*{_X}{_A}[^LNK]*?[wt][d_w]*{_B}",  # the same where looks follow: "the car red"
         f"[VP][d_]*{_A}(?:[^LNK]*{_X})?[^LK]*?t[d_]*{_B}O?",  # "turn the purple ground into a pale mint"
         f"[VP](?:.*?_)??[_d]*{_A}{_X}(?:[._][^LVK]*?)?(?<!d){_B}(?!N)",  # "make the red chair blue"
         f"[VP]_*d{_A}(?:[._][^LVK]*?)?(?<!d){_B}(?!N)",  # "turn the black plastic between the stickers shiny"

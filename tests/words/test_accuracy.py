@@ -38,7 +38,7 @@ def test_exchanges():
     right = [is_asked_for(word) for verdict in verdicts for word in verdict.words]
     replaced = [e for verdict in verdicts for e in verdict.extra if not e.attribute.negated]
     assert sum(right) >= 110  # of 125
-    assert len(replaced) <= 9
+    assert len(replaced) <= 12
 
 
 @pytest.mark.slow
