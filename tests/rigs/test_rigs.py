@@ -239,7 +239,7 @@ def test_no_two_lights_burn_in_one_sign(signs, scene):
 
 
 def test_a_moon_in_the_color_of_a_mood_keeps_half_of_its_own():
-    moon = srgb_from_hex(chosen("moonlight, quiet blue night").rig.lights[0].color)
+    moon = srgb_from_hex(chosen("moonlit, quiet, blue").rig.lights[0].color)
     assert min(moon) > 0.4
     assert chroma(lab_from_srgb(moon)) > 20.0
     pure = chosen("blue light from the left, red light from the right").rig.lights[0].color
