@@ -11,7 +11,6 @@ from proxy_renderer.words.lexicon.entries import normalize
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.words.parser import prepared
 from proxy_renderer.words.reader import read_words
-from proxy_renderer.words.targets import NOWHERE
 from proxy_renderer.words.types import LightDescription, SceneDescription
 
 FILE = Path(__file__).parent / "words" / "ordinary_words.toml"
@@ -42,7 +41,7 @@ def false_actions(marked: str) -> list[str]:
     text = marked.replace("[", "").replace("]", "")
     reading = read_words(prepared(text, ROOM, shipped_vocabulary()), ROOM, shipped_vocabulary())
     unused = reading.parsed.ignored
-    acted = (p.look for p in reading.chosen if p.target.kind not in NOWHERE and p.look.text not in unused)
+    acted = (p.look for p in reading.chosen if p.target.kind != "none" and p.look.text not in unused)
     return [look.token.text for look in acted if looks.isdisjoint(words_of(look.token.text))]
 
 

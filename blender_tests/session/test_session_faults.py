@@ -17,7 +17,7 @@ from proxy_renderer.optimize.scene_facts import described
 from proxy_renderer.render.proxy import Proxy
 from proxy_renderer.scene import SceneData, load_scene
 from proxy_renderer.schema import VibeError
-from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.lexicon.vocabulary import default_vocabulary
 from proxy_renderer.words.scene import SceneIndex
 
 SAMPLES = 32

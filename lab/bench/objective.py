@@ -19,7 +19,7 @@ from proxy_renderer.optimize.rounds.method import Method
 from proxy_renderer.optimize.scene_facts import described, described_now
 from proxy_renderer.planning.advice import OfflineAdvisor
 from proxy_renderer.render.proxy import Proxy
-from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.lexicon.vocabulary import default_vocabulary
 from proxy_renderer.words.parser import Understood
 
 TERMS = ("similarity", "claims")

@@ -11,14 +11,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lab.train.fitting import Example, fit_links, fit_pairs
+from lab.train.fitting import Example, fit_pairs
 from lab.train.sentences import read_folder
 from lab.train.sentences.glossed import glossed
 from lab.train.sentences.labels import LabeledSentence
 from lab.train.sentences.right import right_pairs
 from lab.train.sentences.stand_in import stand_in
 from proxy_renderer.words.lexicon.vocabulary import Vocabulary, shipped_vocabulary
-from proxy_renderer.words.model import FILE, FactWeights, likeliest_row, reading
+from proxy_renderer.words.model import FILE, FactWeights, likeliest, reading
 from proxy_renderer.words.parser import prepared
 
 _SMALL = 0.02  # weights nearer to 0 are left out of the file
@@ -64,27 +64,21 @@ class Fitted:
 def fit(every: Sequence[Example], l2: float = L2, folds: int = FOLDS) -> Fitted:
     """Fits the weights.
 
-    Links are fitted to what facts about pairs say of scenes that these were not fitted to.
-
     Args:
         folds: Parts into which the scenes are divided.
     """
     fold = {name: i % folds for i, name in enumerate(sorted({e.scene for e in every}))}
-    pairs = {n: fit_pairs([e for e in every if fold[e.scene] != n], l2) for n in {*fold.values()}}
-    linked = [(e, pairs[fold[e.scene]]) for e in every]
-    links = {n: fit_links([both for both in linked if fold[both[0].scene] != n], l2) for n in pairs}
-    without = {scene: pairs[n] | links[n] for scene, n in fold.items()}
-    return Fitted(fit_pairs(every, l2) | fit_links(linked, l2), without)
+    weights = {n: fit_pairs([e for e in every if fold[e.scene] != n], l2) for n in {*fold.values()}}
+    return Fitted(fit_pairs(every, l2), {scene: weights[n] for scene, n in fold.items()})
 
 
 def accuracy(every: Sequence[tuple[Example, FactWeights]]) -> float:
     """The share of look words whose target is right, of those for which something right can be chosen."""
     right = []
     for example, weights in every:
-        for pairs, may, chosen in zip(
-            example.read.pairs, example.right, likeliest_row(example.read, weights), strict=True
-        ):
-            right += [may[next(i for i, p in enumerate(pairs) if p is chosen)]] if any(may) else []
+        for pairs, may in example.decided:
+            chosen = likeliest(pairs, weights)[0][0]
+            right.append(may[next(i for i, p in enumerate(pairs) if p is chosen)])
     return sum(right) / max(len(right), 1)
 
 

@@ -18,7 +18,7 @@ from rich.progress import BarColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from ..blender.launch import TerminalBar, blender_side, handling
 from ..schema import VibeError
-from ..words.lexicon.user_words import VARIABLE
+from ..words.lexicon.vocabulary import VARIABLE
 from . import manifest
 from .manifest import BatchPlan, Job, Limits
 from .pools import Pool, RayPool, fitting, local_pool, machine

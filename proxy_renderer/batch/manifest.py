@@ -25,7 +25,7 @@ from ..schema import VibeError, frame_numbers, schema_hash
 from ..schema.limits import LARGEST_SEED
 from ..schema.options import checks
 from ..schema.options.table import TABLE, Option, to_arguments
-from ..words.lexicon.user_words import user_file
+from ..words.lexicon.vocabulary import user_file
 
 
 def digest(path: Path) -> str:

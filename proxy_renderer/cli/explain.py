@@ -17,7 +17,7 @@ from ..schema import Instance, VibeError
 from ..schema.options import checks
 from ..schema.parameters import Region
 from ..words.lexicon.rigs import rig_table
-from ..words.lexicon.user_words import default_vocabulary
+from ..words.lexicon.vocabulary import default_vocabulary
 from ..words.parser import Understood, prepared, why
 from ..words.reader import read_words
 from ..words.types import SceneDescription

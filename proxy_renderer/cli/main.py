@@ -204,16 +204,16 @@ def _vocabulary_options(parser: argparse.ArgumentParser) -> None:
 
 def _vocabulary(a: argparse.Namespace) -> int:
     from ..folders import config_folder
-    from ..words.lexicon import user_words
+    from ..words.lexicon import vocabulary
 
     if a.action == "add":
         if bool(a.color) == bool(a.wish or a.means):
             raise VibeError(f"'{a.name}' needs a color, or what it does.", "Give --color, or --wish, or --means.")
         path = Path(a.vocabulary).expanduser() if a.vocabulary else config_folder() / "vocabulary.toml"
         if a.color:
-            user_words.add_color(path, a.name, a.color)
+            vocabulary.add_color(path, a.name, a.color)
         else:
-            user_words.add_look(path, a.name, {"slot": a.slot, "words": a.words, "wishes": a.wish, "means": a.means})
+            vocabulary.add_look(path, a.name, {"slot": a.slot, "words": a.words, "wishes": a.wish, "means": a.means})
         print(f"'{a.name}' is in {path} now.")
         return 0
     check.vocabulary(a.vocabulary)
@@ -222,7 +222,7 @@ def _vocabulary(a: argparse.Namespace) -> int:
 
         print(account(a.text))
     else:
-        known, part = user_words.default_vocabulary(), a.part.lower()
+        known, part = vocabulary.default_vocabulary(), a.part.lower()
         for entry in known.entries.values():
             if any(part in word for word in entry.words):
                 others = ", ".join(word for word in entry.words if word != entry.name)

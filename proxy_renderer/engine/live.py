@@ -16,8 +16,8 @@ from ..render.proxy import Proxy
 from ..scene import SceneData, load_scene
 from ..schema import VibeError, messages
 from ..schema.targets import GENERAL, NOT_USED, listed
-from ..words.lexicon.user_words import default_vocabulary
-from ..words.lexicon.word_table import Nearest
+from ..words.lexicon.languages import Nearest
+from ..words.lexicon.vocabulary import default_vocabulary
 from ..words.parser import Understood
 from ..words.types import LightDescription, SceneDescription
 from .pictures import save_picture

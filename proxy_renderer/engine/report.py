@@ -22,7 +22,7 @@ from ..render.surface.view_cache import GBuffer
 from ..schema import Values, labels
 from ..schema.messages import word_states, words_of
 from ..words.lexicon.quantities import quantities
-from ..words.lexicon.user_words import default_vocabulary
+from ..words.lexicon.vocabulary import default_vocabulary
 from ..words.types import PromptWord
 
 

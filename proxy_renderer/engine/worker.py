@@ -245,7 +245,7 @@ def _warm_up() -> None:
         os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 5)
     with suppress(VibeError):
         from ..guidance.encoder import load_encoder
-        from ..words.lexicon.user_words import default_vocabulary
+        from ..words.lexicon.vocabulary import default_vocabulary
         from . import live, session  # noqa: F401
 
         load_encoder(None, "cpu")

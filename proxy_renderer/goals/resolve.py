@@ -16,8 +16,7 @@ from ..schema import Values, VibeError
 from ..schema.parameters import SURFACES
 from ..words.lexicon.entries import Effect
 from ..words.lexicon.quantities import ClaimText, warmth_asked
-from ..words.lexicon.user_words import default_vocabulary
-from ..words.lexicon.vocabulary import Vocabulary
+from ..words.lexicon.vocabulary import Vocabulary, default_vocabulary
 from ..words.parser import Understood
 from ..words.types import Attribute, Parsed
 from .wish import PAINTED, Wish, wishes_of

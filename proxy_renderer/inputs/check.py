@@ -86,7 +86,7 @@ def words(prompt: str, arguments: argparse.Namespace) -> None:
 
 def vocabulary(name: str) -> None:
     """Loads the artist's vocabulary to check it, and sets it for this process and its children; "" for the default file."""
-    from ..words.lexicon.user_words import VARIABLE, default_vocabulary
+    from ..words.lexicon.vocabulary import VARIABLE, default_vocabulary
 
     if name:
         os.environ[VARIABLE] = str(file(name, "vocabulary"))

@@ -23,7 +23,7 @@ from ..schema.added_lights import ADDED_LIGHTS, light_name
 from ..schema.light_links import LINKED, LightLink
 from ..schema.messages import Options
 from ..words.lexicon.rigs import rig_table
-from ..words.lexicon.user_words import default_vocabulary
+from ..words.lexicon.vocabulary import default_vocabulary
 from ..words.parser import Understood
 from ..words.types import Attribute, SaidLink
 from .scene_facts import described

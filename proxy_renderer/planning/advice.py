@@ -10,8 +10,7 @@ from ..goals.resolve import Goals
 from ..schema import Instance, VibeError, labels
 from ..words.attributes import color_class
 from ..words.lexicon.entries import VocabularyEntry
-from ..words.lexicon.user_words import default_vocabulary
-from ..words.lexicon.vocabulary import Vocabulary
+from ..words.lexicon.vocabulary import Vocabulary, default_vocabulary
 from ..words.types import Attribute, Parsed, SceneDescription
 from .planner import plan
 from .types import LightPlan, Plan

@@ -10,7 +10,7 @@ from ..goals.resolve import Goals
 from ..goals.wish import Wish
 from ..schema import Instance, Values, labels
 from ..words.lexicon.entries import OWNERS, Effect
-from ..words.lexicon.user_words import default_vocabulary
+from ..words.lexicon.vocabulary import default_vocabulary
 from ..words.types import GLOW, Attribute, SceneDescription
 from .acting import STAGES, acts, goals_without_rig, grade_of, is_usual, stage_of
 from .light_levels import Sources, WorldLook, facing_radiance

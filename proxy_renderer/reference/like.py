@@ -28,7 +28,7 @@ from ..schema.options.table import TRAITS, Options
 from ..schema.parameters import PICTURE
 from ..words.lexicon.entries import Effect, parse_effect, read_wishes
 from ..words.lexicon.quantities import ClaimText
-from ..words.lexicon.user_words import default_vocabulary
+from ..words.lexicon.vocabulary import default_vocabulary
 from ..words.types import Attribute, Parsed, Part, SceneDescription
 from . import light_probe, statements
 from .files import ReferencePicture, read_reference

@@ -5,11 +5,10 @@ from dataclasses import replace
 
 from ..color.constants import Lab
 from ..color.floats import chroma, lab_from_srgb
-from ..color.shades import basic, relative_shade, shade
+from ..color.shades import basic, shade
 from ..schema import Values
 from ..schema.parameters import Region
 from .lexer import Token
-from .lexicon.entries import Effect
 from .lexicon.languages import singular
 from .lexicon.quantities import COLORS
 from .lexicon.rigs import RigTable
@@ -32,17 +31,13 @@ def complete(parsed: Parsed, subject: str, things: list[NamedThing], sky: bool =
     for number, each in enumerate(parsed.attributes):
         if each.kind == "sky" and each.color and not sky:  # an unseen sky is light: its color is the image's
             parsed.attributes[number] = replace(each, kind="ambience", region="whole")
-    parsed.objects = _objects(parsed.attributes, subject, things)
     parsed.ignored = list(dict.fromkeys(parsed.ignored))
     parsed.notes = list(dict.fromkeys(parsed.notes))
-
-
-def _objects(attributes: list[Attribute], subject: str, things: list[NamedThing]) -> list[PromptObject]:
     main = next((name for name, region, _ in things if region == "subject"), subject) or "subject"
     objects: dict[tuple[str, Region], PromptObject] = {(main, "subject"): PromptObject(main, "subject")}
     objects |= {(name, region): PromptObject(name, region, materials=its) for name, region, its in things}
     around = next((k for k in objects if k[1] == "surroundings"), ("surroundings", "surroundings"))
-    for attribute in (a for a in attributes if not a.cause):
+    for attribute in (a for a in parsed.attributes if not a.cause):
         key = (attribute.thing, attribute.region)
         if key not in objects:
             is_outer = _OUTER & {attribute.region, attribute.slot, attribute.kind}
@@ -53,7 +48,7 @@ def _objects(attributes: list[Attribute], subject: str, things: list[NamedThing]
             slot, word = _COLORED.get(attribute.kind, "grade"), f"{word} {attribute.thing}"
         said = [*filter(None, slots.get(slot, "").split(", ")), word]
         slots[slot] = ", ".join(dict.fromkeys(said))
-    return list(objects.values())
+    parsed.objects = list(objects.values())
 
 
 # Colors
@@ -89,23 +84,6 @@ def fog_color(srgb: Values) -> Values:
     return shade(srgb, lightness=0.4, chroma=0.6, towards=70.0)
 
 
-def shade_effect(entry: str, vocabulary: Vocabulary) -> Effect | None:
-    """The effect by which an entry such as "boring" changes the color word after it; None for other entries."""
-    known = vocabulary.entries.get(entry)
-    effects = known.effects if known and known.slot == "color" else ()
-    return next((e for e in effects if (e.family, e.mode) == ("material/base_color", "shade")), None)
-
-
-def shaded(attribute: Attribute, word: str, entry: str, strength: float, vocabulary: Vocabulary) -> Attribute:
-    """A color attribute, changed by the word before it: "boring green"; as it is if the word changes no colors."""
-    effect = shade_effect(entry, vocabulary)
-    if effect is None or not attribute.color:
-        return attribute
-    lighter, share = ((a + b) / 2 for a, b in zip(effect.lower, effect.upper, strict=True))
-    color = relative_shade(attribute.color, lighter, share, strength)
-    return replace(attribute, word=f"{word} {attribute.word}", color=color)
-
-
 # Lights that are called by their names, and those that are described one by one: "a hard key from the left, warm"
 
 
@@ -119,58 +97,45 @@ def fixture(thing: str, vocabulary: Vocabulary) -> frozenset[str]:
 
 
 def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> dict[int, tuple[int, ...]]:
-    """Place of an item -> the numbers, from 1, of the lights that it describes; other items are left out.
+    """Place of an item -> the number, from 1, of the light that it describes; other items are left out.
 
     A description begins with the part of a sentence that names a light, and goes on in parts that name nothing else: "a
-    softbox from the left, large and warm". After "two rim lights", each color describes one of them. "Both" and "all"
-    describe every light named before.
+    softbox from the left, large and warm".
     """
-    found: dict[int, tuple[int, ...]] = {}
-    number, spoken_of, words, several = 0, tuple[int, ...](), vocabulary.words, False
-    counted, listed = list[int](), list[int]()  # places of "two rim lights", and the numbers of these
-    for places in _segments(passage, vocabulary):
-        items = [passage.items[place] for place in places]
-        goes_on = all(_goes_on(item, rigs, vocabulary) for item in items)
-        expected = several or bool(spoken_of)
-        heads = [n for n, item in enumerate(items) if is_light(item, rigs, vocabulary, expected)]
-        tells = any(_is_of_light(item, rigs, vocabulary) for item in items)
-        modifiers = filter(None, (rigs.modifier(item.entry) for item in items))
-        sided = tells and any("direction" in modifier.aspects for modifier in modifiers)
-        if sided and goes_on and not (counted or heads):
-            heads = [0]  # "magenta from the left", "warm from the right"
-        counts = any("count" in item.lists for item in items) and not any(i.names_a_look for i in items)
-        if counts and any(item.noun == "light" for item in items):  # "two lights: a pink one ..."
-            several, spoken_of = True, ()
-        elif heads and not any("negation" in item.lists for item in items[: heads[0]]):
-            number += 1
-            spoken_of = (number,)
-            found |= dict.fromkeys(places, spoken_of)
-            first = {word for item in items for word in item.text.split()[:1]}
-            counted, listed = ([] if first.isdisjoint(vocabulary.lists["count"]) else places), []
-        elif counted and goes_on and any(item.color for item in items):
-            number += bool(listed)
-            listed.append(number)
-            spoken_of = (number,)
-            found |= dict.fromkeys(places, spoken_of) | dict.fromkeys(counted, tuple(listed))
-        elif not goes_on:
-            spoken_of = ()
-        elif spoken_of and any(item.text in words["together"] for item in items):
-            spoken_of = tuple(range(1, number + 1))
-        # "cup, warm light, pale blue": a color there may be a thing's
-        plain = [p for p, i in zip(places, items, strict=True) if i.color is None or i.text.endswith("white")]
-        found |= dict.fromkeys(plain if spoken_of else (), spoken_of)
-    return found
-
-
-def _segments(passage: Passage, vocabulary: Vocabulary) -> list[list[int]]:
-    """Places of the items in groups: a new one begins with a clause, and at words that join or end a description."""
-    parts: list[list[int]] = []
+    parts: list[list[int]] = []  # places; a part begins with a clause, and at words that join or end a description
     for place, item in enumerate(passage.items):
         joins = "joiner" in item.lists or item.text in vocabulary.words["consequence"]
         if not parts or joins or place in passage.starts:
             parts.append([])
         parts[-1].append(place)
-    return parts
+    found: dict[int, tuple[int, ...]] = {}
+    number, spoken_of, several = 0, 0, False
+    for places in parts:
+        items = [passage.items[place] for place in places]
+        # it may go on about the light before it, if it names no other thing and no setup
+        setups = any(item.entry in rigs.rigs and item.entry not in rigs.modifiers for item in items)
+        others = any(item.scene or not item.lists.isdisjoint(("others", "action")) for item in items)
+        goes_on = not (setups or others) and all(i.known and i.noun in ("", "glow") for i in items)
+        heads = [n for n, item in enumerate(items) if is_light(item, rigs, vocabulary, several or spoken_of > 0)]
+        # a color or an adjective of light, with a side: "magenta from the left", "warm from the right"
+        of_light = (vocabulary.adjectives.get(item.adjective, {}).get("light", "") for item in items)
+        tells = any(item.color for item in items) or any(map(rigs.modifier, of_light))
+        modifiers = filter(None, (rigs.modifier(item.entry) for item in items))
+        if tells and goes_on and not heads and any("direction" in modifier.aspects for modifier in modifiers):
+            heads = [0]
+        counts = any("count" in item.lists for item in items) and not any(i.names_a_look for i in items)
+        if counts and any(item.noun == "light" for item in items):  # "two lights: a pink one ..."
+            several, spoken_of = True, 0
+        elif heads and not any("negation" in item.lists for item in items[: heads[0]]):
+            number += 1
+            spoken_of = number
+            found |= dict.fromkeys(places, (number,))
+        elif not goes_on:
+            spoken_of = 0
+        elif spoken_of:  # "cup, warm light, pale blue": a color there may be a thing's
+            plain = [p for p, i in zip(places, items, strict=True) if i.color is None or i.text.endswith("white")]
+            found |= dict.fromkeys(plain, (spoken_of,))
+    return found
 
 
 def is_light(item: Token, rigs: RigTable, vocabulary: Vocabulary, expected: bool = False) -> bool:
@@ -182,17 +147,3 @@ def is_light(item: Token, rigs: RigTable, vocabulary: Vocabulary, expected: bool
     # "light behind"
     behind = any(vocabulary.nouns.get(singular(word)) in LIGHTS for word in item.text.split())
     return behind or rigs.is_a_light(item.entry, item.text)
-
-
-def _is_of_light(item: Token, rigs: RigTable, vocabulary: Vocabulary) -> bool:
-    """True if an item is a color, or an adjective of light: "warm"."""
-    of_light = vocabulary.adjectives.get(item.adjective, {}).get("light", "")
-    return item.color is not None or rigs.modifier(of_light) is not None
-
-
-def _goes_on(item: Token, rigs: RigTable, vocabulary: Vocabulary) -> bool:
-    """True if an item names no other thing and no setup, so that it may go on about the light before it."""
-    setup = item.entry in rigs.rigs and item.entry not in rigs.modifiers
-    rest = "others" in item.lists and item.text not in vocabulary.words["together"]
-    names_another = item.scene or rest or setup or "action" in item.lists
-    return item.known and item.noun in ("", "glow") and not names_another

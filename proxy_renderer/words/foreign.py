@@ -3,18 +3,15 @@
 
 import re
 import unicodedata
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 from typing import Literal
 
 from .lexicon.entries import normalize
-from .lexicon.languages import TABLES, LanguageLexicon, folded, lexicons
+from .lexicon.languages import TABLES, LanguageLexicon, folded, lexicons, table
 from .lexicon.vocabulary import Vocabulary, shipped_vocabulary
-from .lexicon.word_table import table
 from .names import parts
-from .types import Attribute, Parsed, SceneDescription
+from .types import Parsed, SceneDescription
 
 _LONGEST = 5  # words of a wording
 _LONGEST_TIGHT = 14  # characters of a word that is written without spaces
@@ -68,21 +65,17 @@ def gloss(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> Gloss:
     letters, found, language = max(tried, key=lambda attempt: attempt[0])
     if not letters:
         return Gloss(text, text)
-    said = tuple(piece for piece in _led(found) if piece.english not in ("", _GENITIVE))
-    return Gloss(text, _TIGHT.sub(r"\1", " ".join(piece.english for piece in said)), language, said)
-
-
-def _led(found: list[Piece]) -> list[Piece]:
-    """Pieces in English order: small words that follow a thing and its looks go before them: "fog without" → "without fog"."""
-    said: list[Piece] = []
+    # In English, small words that follow a thing and its looks go before them: "fog without" → "without fog"
+    led: list[Piece] = []
     for piece in found:
-        start = len(said)
-        if piece.kind == "behind" and said and said[-1].kind in (*_NOUNS, *_LOOKS):
+        start = len(led)
+        if piece.kind == "behind" and led and led[-1].kind in (*_NOUNS, *_LOOKS):
             start -= 1
-            while start and said[start - 1].kind in _LOOKS:
+            while start and led[start - 1].kind in _LOOKS:
                 start -= 1
-        said.insert(start, piece)
-    return said
+        led.insert(start, piece)
+    said = tuple(piece for piece in led if piece.english not in ("", _GENITIVE))
+    return Gloss(text, _TIGHT.sub(r"\1", " ".join(piece.english for piece in said)), language, said)
 
 
 def _attempt(
@@ -108,9 +101,8 @@ def _attempt(
 
 def _phrases(vocabulary: Vocabulary) -> frozenset[str]:
     """English that is not translated: phrases of several words ("film noir"), and the artist's own entries."""
-    words, shipped = frozenset([*vocabulary.synonyms, *vocabulary.colors]), shipped_vocabulary()
-    own = words - shipped.synonyms.keys() - shipped.colors.keys()
-    return own | {word for word in words if " " in word}
+    words, shipped = {*vocabulary.synonyms, *vocabulary.colors}, shipped_vocabulary()
+    return frozenset(w for w in words if " " in w or not (w in shipped.synonyms or w in shipped.colors))
 
 
 def _is_english(text: str, vocabulary: Vocabulary) -> bool:
@@ -130,8 +122,17 @@ def _known_english(v: Vocabulary) -> frozenset[str]:
 def pieces(
     text: str, lexicon: LanguageLexicon, names: frozenset[str], phrases: frozenset[str] = frozenset()
 ) -> list[Piece]:
-    """All pieces of a prompt, in its order: the longest wordings, `names` of the scene (folded) and English `phrases`."""
-    cuts, found = list(_cuts(text, lexicon, names)), list[Piece]()
+    """All pieces of a prompt, in its order: the longest wordings, `names` of the scene (folded) and English `phrases`.
+
+    Text without spaces is cut into words of the lexicon or the scene, see `cut`.
+    """
+    cuts, found = list[Piece](), list[Piece]()
+    for match in _PARTS.finditer(text):
+        start, word = match.start(), match[0]
+        apart = lexicon.spaces or not _SPACELESS.search(word)
+        for part in [word] if apart else cut(word, lexicon.forms | names):
+            cuts.append(Piece(part, start, start + len(part), "unknown"))
+            start += len(part)
     while cuts:
         counts = range(min(_LONGEST, len(cuts)), 0, -1)
         each = ((n, _piece(text, cuts[:n], lexicon, names, phrases)) for n in counts)
@@ -139,16 +140,6 @@ def pieces(
         found.append(piece)
         del cuts[:count]
     return found
-
-
-def _cuts(text: str, lexicon: LanguageLexicon, names: frozenset[str]) -> Iterator[Piece]:
-    """Words and punctuation marks; text without spaces is cut into words of the lexicon or the scene, see `cut`."""
-    for match in _PARTS.finditer(text):
-        start, word = match.span()[0], match[0]
-        apart = lexicon.spaces or not _SPACELESS.search(word)
-        for part in [word] if apart else cut(word, lexicon.forms | names):
-            yield Piece(part, start, start + len(part), "unknown")
-            start += len(part)
 
 
 def cut(letters: str, known: frozenset[str]) -> list[str]:
@@ -193,7 +184,12 @@ class Retelling:
 
     def retell(self, parsed: Parsed) -> None:
         """Puts the artist's words in place of the English ones, wherever people read them; changes `parsed`."""
-        parsed.attributes = [self._attribute(attribute) for attribute in parsed.attributes]
+        for number, attribute in enumerate(parsed.attributes):
+            if attribute.cause:
+                parsed.attributes[number] = replace(attribute, cause=self.own(attribute.cause))
+            elif found := self._find(attribute.word):
+                word, place = self._text(found), (found[-1].start, found[-1].end)
+                parsed.attributes[number] = replace(attribute, word=word, english=attribute.word, place=place)
         for thing in parsed.objects:
             for slot, words in thing.attributes.items():
                 thing.attributes[slot] = ", ".join(map(self.own, words.split(", ")))
@@ -211,15 +207,6 @@ class Retelling:
         end = start + len(word)
         meant = (piece for piece in self.gloss.pieces if piece.start < end and start < piece.end)
         return " ".join(piece.english for piece in meant) if start >= 0 else ""
-
-    def _attribute(self, attribute: Attribute) -> Attribute:
-        if attribute.cause:
-            return replace(attribute, cause=self.own(attribute.cause))
-        found = self._find(attribute.word)
-        if not found:
-            return attribute
-        place = found[-1].start, found[-1].end
-        return replace(attribute, word=self._text(found), english=attribute.word, place=place)
 
     def _find(self, english: str, again: bool = False) -> list[Piece]:
         """The pieces that English words come from: as many of the last words as stand together, others shortly before.
@@ -262,11 +249,7 @@ def other_language(text: str) -> Literal["", "some", "all"]:
     if latin < len(letters):
         return "some"
     words = text.lower().split()
-    small = sum(word.strip(".,;:!?") in _small_words() for word in words)
+    unread = (Path(__file__).with_name("languages") / "unread.txt").read_text("utf-8").splitlines()
+    small_words = {word for line in unread if not line.startswith("#") for word in line.split()}
+    small = sum(word.strip(".,;:!?") in small_words for word in words)
     return "some" if small >= 2 or (small and small >= 0.15 * len(words)) else ""
-
-
-@cache
-def _small_words() -> frozenset[str]:
-    lines = (Path(__file__).with_name("languages") / "unread.txt").read_text("utf-8").splitlines()
-    return frozenset(word for line in lines if not line.startswith("#") for word in line.split())

@@ -4,31 +4,36 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Container, Iterator
+from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from operator import ne
 
 from ..color.floats import is_hex, srgb_from_hex
-from ..color.shades import shade
+from ..color.shades import mixable, shade, tinged
 from ..schema import Values
 from .lexicon.entries import normalize
-from .lexicon.languages import singular, thing_words
-from .lexicon.vocabulary import Vocabulary, compound, parted, tending
-from .lexicon.word_table import Nearest, table
+from .lexicon.languages import Nearest, singular, table, thing_words
+from .lexicon.quantities import COLORS
+from .lexicon.vocabulary import Vocabulary
 from .names import scene_names
 from .types import SceneDescription
 
 TIES = ("link", "around", "joiner", "comparison", "exception")  # they say how neighbors belong together
 _LONGEST = 5  # words in a phrase
 _SHORTEST, _SHORTEST_FOREIGN = 4, 6  # characters of a word that may be mistyped
-_OF_A_CAMERA = ("beyond", "focus")  # lists of words that no parameter fulfills, unless they name a thing in the scene
 _COMPARED = ("finish", "grade", "mood", "atmosphere")  # slots of "glossier", "moodier", "drier"
 _NAME_ALIKE, _ALIKE = 0.86, 0.84  # least similarity, by difflib, of a mistyped name and of any other word
+# Colors between colors
+_ALONE = 0.7  # factor on chroma of a color that is only "greenish"
+_TINGE = 0.4  # share of the first color in "greenish blue"
+_HALF = 0.5  # in "green blue"
+_KIND = 2 / 3  # in "khaki green"
+_BASIC = frozenset([*COLORS, "gray"])
+_KINDS = _BASIC - {"white", "black"}  # colors that have kinds: "navy white" is two colors
 _BREAK = re.compile(r"[.,;:!?()\[\]{}<>|\n\"*=+]|#(?![0-9a-f]{6}\b)|\s[-–—/]\s|/|(?<=\bon)\s(?=with\b)")
 _WORD = re.compile(r"#[0-9a-f]{6}\b|[^\W_]+(?:'[a-z]+)?")  # a word, or a color by its number: "#c8102e"
 _SLASH = re.compile(r"(?<=[A-Za-z])/(?=[A-Za-z])")  # "blue/green"
-ShadeArguments = tuple[float, float, float, float]  # arguments of `color.shade`
 
 
 @dataclass
@@ -46,7 +51,7 @@ class Token:
     name: str = ""  # the spelling that the vocabulary knows
     guess: str = ""  # the known word that is meant, if it is misspelled
     unsure: bool = False  # not known, but near to looks: it is not used; known words are offered for it
-    shades: tuple[ShadeArguments, ...] = ()  # by shade words before it, see `types.Attribute`
+    shades: tuple[tuple[float, float, float, float], ...] = ()  # by shade words before it, see `types.Attribute`
     clause: int = 0  # number of its clause
     wished: bool = False  # it is part of a wish that values cannot fulfill: "remove the chair"
     presents: tuple[Token, ...] = ()  # in a change phrase, its looks now: red in "the roof from red to grey"
@@ -97,8 +102,10 @@ class Lexer:
             (burning,) = v.words["burning"]
             words = [*words[:-1], *burning.split()]
         for word in (w if w in self._in_names else v.typed.get(w, w) for w in words):
-            known = any(word in table for table in (v.synonyms, v.nouns, self.names))
-            found += [word] if known else parted(word, v.colors, v.shades)
+            known = any(word in table for table in (v.synonyms, v.nouns, self.names, v.colors))
+            splits = ((word.removesuffix(second), second) for second in _BASIC if word.endswith(second))
+            parted = next((two for two in splits if two[0] in v.colors or two[0] in v.shades), (word,))
+            found += [word] if known else parted
         return found
 
     def _tokens(self, words: list[str]) -> list[Token]:
@@ -150,10 +157,16 @@ class Lexer:
         v = self.vocabulary
         if is_hex(text):
             return Token(text, color=srgb_from_hex(text))
-        tint = tending(text, v.colors)
-        is_thing = singular(text) in thing_words() and text not in self.names  # "lemons" are no color
-        for token in map(self._spelled_so, _spellings(text, v.nouns)):
-            if token.known and not (is_thing and token.color and token.name != text):
+        # "lemony", or "greenish", which is a paler green
+        lemony = v.colors.get(text[:-1]) if text.endswith("y") else None
+        greenish = v.colors.get(_color_stem(text, v.colors))
+        tint = lemony or (shade(greenish, chroma=_ALONE) if greenish else None)
+        # Base forms; "car parked" is no form of "car park", nor "walled" of "wall"
+        bases = [text.removesuffix("s"), text.removesuffix("es")]
+        past = text.removesuffix("ed")
+        bases += [] if " " in text or past in v.nouns else [past]
+        for token in map(self._spelled_so, (text, *(base for base in bases if len(base) > 2))):
+            if token.known:
                 return replace(token, text=text, color=token.color or tint)
         for stem in (stem for degree in v.endings for stem in v.stems(text, degree)):
             if stem in v.adjectives or stem in v.colors or v.slot(stem) in _COMPARED:
@@ -162,21 +175,18 @@ class Lexer:
 
     def _spelled_so(self, spelling: str) -> Token:
         """A token with every role that a spelling has."""
-        v, in_scene = self.vocabulary, spelling in self.names
-        lists = (kind for kind, phrases in v.lists.items() if spelling in phrases)
-        noun = v.nouns.get(spelling, "")
+        v = self.vocabulary
         # phrases for a setting end in the thing: "minimal backdrop"
-        if not noun and v.slot(spelling) == "setting":
-            noun = v.nouns.get(spelling.rpartition(" ")[2], "")
+        last = spelling.rpartition(" ")[2] if v.slot(spelling) == "setting" else ""
         return Token(
             spelling,
             v.synonyms.get(spelling, ""),
             v.colors.get(spelling),
             spelling if spelling in v.adjectives else "",
-            noun,
-            in_scene,
+            v.nouns.get(spelling) or v.nouns.get(last, ""),
+            spelling in self.names,
             v.intensity.get(spelling),
-            frozenset(kind for kind in lists if kind not in _OF_A_CAMERA or not in_scene),
+            frozenset(kind for kind, phrases in v.lists.items() if spelling in phrases),
             name=spelling,
         )
 
@@ -188,81 +198,86 @@ class Lexer:
         if len(text) < (_SHORTEST_FOREIGN if foreign else _SHORTEST) or table().is_english(text):
             return token
         spelling = self.vocabulary.made(_misspellable)
-        near = (
-            # Two characters inside a word changed places: "wihte", "balck"
-            [w for w in spelling if sorted(w) == sorted(text) and sum(map(ne, w, text)) == 2]
-            or get_close_matches(text, self.names, 1, _NAME_ALIKE)
-            or get_close_matches(text, spelling, 3, _ALIKE)
-        )
+        swapped = [w for w in spelling if sorted(w) == sorted(text) and sum(map(ne, w, text)) == 2]  # "wihte", "balck"
+        near = swapped or get_close_matches(text, self.names, 1, _NAME_ALIKE)
+        near = near or get_close_matches(text, spelling, 3, _ALIKE)
         # if the first character is right, an error is likelier than a rare word
         known = next((w for w in near if w[0] == text[0]), "")
         return replace(self._phrase(known), text=text, guess=known) if known else token
-
-
-def _spellings(text: str, nouns: Container[str]) -> list[str]:
-    """A phrase, and its possible base forms; "car parked" is no form of "car park", nor "walled" of "wall"."""
-    bases = [text.removesuffix("s"), text.removesuffix("es")]
-    past = text.removesuffix("ed")
-    bases += [] if " " in text or past in nouns else [past]
-    return [text, *(base for base in bases if len(base) > 2)]
 
 
 def _misspellable(v: Vocabulary) -> list[str]:
     return sorted(w for w in {*v.synonyms, *v.colors, *v.adjectives} if " " not in w and len(w) > 3)
 
 
+# Colors and materials with words that shift them: "warm golden", "very dark blue", "dark walnut", "khaki green"
+
+
 def _composed(words: list[str], v: Vocabulary) -> Token | None:
-    """A color or material with the words that shift it: "warm golden", "very dark blue", "dark walnut"; None for others."""
+    """A color or material with the words before it that shift it; None for others."""
     text = " ".join(words)
     if v.slot(text) == "grade":  # "deep blacks" are shadows
         return None
-    made_of = words[0] in v.colors and words[0] in v.synonyms  # "ruby red lips" are red
-    if not made_of and (color := compound(words, v.colors)):
+    if color := _compound(words, v.colors):
         return Token(text, color=color, name=text)
-    each = () if text in v.colors else _led_by_shades(words, v)
-    return next(filter(None, (_shaded(leading, rest, v) for leading, rest in each)), None)
+    for split in range(1, 1 if text in v.colors else len(words)):
+        leading, rest = words[:split], words[split:]
+        listed = " ".join(rest) in v.colors and rest[0] in v.shades
+        if listed and all(v.intensity.get(w, 0) > 1 for w in leading):  # "very dark blue" is darker than "dark blue"
+            leading = rest[:1]
+        leads = leading[-1] in v.shades and all(w in v.shades or w in v.intensity for w in leading)
+        if leads and (token := _shaded(leading, rest, v)):
+            return token
+    return None
 
 
 def _shaded(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
     """A color with shade words before it, "dusty rose", or a material with its own color, lighter or darker: "dark oak"."""
-    last, shades, is_lighter = " ".join(rest), _shades(leading, v), leading[-1] in v.words["lightness"]
+    last = " ".join(rest)
     name = last if last in v.colors else last.removesuffix("s")
     text, entry = " ".join([*leading, last]), v.entry(last)
-    color = v.colors.get(name) or compound(rest, v.colors)
-    if color and v.slot(last) != "grade":  # "faded sepia" is no paler brown
-        for arguments in shades:
-            color = shade(color, *arguments)
-        token = Token(text, color=color, name=" ".join([*leading, name]))
-        both = is_lighter and last in v.adjectives  # a color, and what the adjective means elsewhere
-        return replace(token, adjective=last, shades=shades) if both else token
-    tints = entry and entry.slot == "material" and any(e.name == "base_color" for e in entry.effects)
-    if entry and tints and is_lighter and text not in v.synonyms:
-        return Token(text, entry.name, name=text, shades=shades)
-    return None
-
-
-def _led_by_shades(words: list[str], v: Vocabulary) -> Iterator[tuple[list[str], list[str]]]:
-    """All splits of words into shade words with their intensities, and the rest.
-
-    "very dark blue" is split into "dark" and the listed color "dark blue".
-    """
-    for split in range(1, len(words)):
-        leading, rest = words[:split], words[split:]
-        listed = " ".join(rest) in v.colors and rest[0] in v.shades
-        if listed and all(v.intensity.get(w, 0) > 1 for w in leading):
-            leading = rest[:1]
-        if leading[-1] in v.shades and all(w in v.shades or w in v.intensity for w in leading):
-            yield leading, rest
-
-
-def _shades(leading: list[str], v: Vocabulary) -> tuple[ShadeArguments, ...]:
-    """Arguments of `color.shade` for each shade word, that next to the color first; an intensity scales the next word's."""
-    found = []
+    color = v.colors.get(name) or _compound(rest, v.colors)
+    # Arguments of `color.shade`, those of the word next to the color first; an intensity scales the next word's
+    shades = []
     for before, word in [*zip(["", *leading], leading, strict=False)][::-1]:
         if word in v.shades:
             row, strength = v.shades[word], v.intensity.get(before, 1.0)
             strength = max(strength, strength**2)
             lightness = max(1 - (1 - row.get("lightness", 1.0)) * strength, 0.05)
             chroma = 1 - (1 - row.get("chroma", 1.0)) * strength
-            found.append((lightness, chroma, row.get("towards", 60.0), row.get("warmth", 0.0) * strength))
-    return tuple(found)
+            shades.append((lightness, chroma, row.get("towards", 60.0), row.get("warmth", 0.0) * strength))
+    if color and v.slot(last) != "grade":  # "faded sepia" is no paler brown
+        for arguments in shades:
+            color = shade(color, *arguments)
+        # "dark copper": a color, and what the adjective means elsewhere
+        both = leading[-1] in v.words["lightness"] and last in v.adjectives
+        token = Token(text, color=color, name=" ".join([*leading, name]))
+        return replace(token, adjective=last, shades=tuple(shades)) if both else token
+    tints = entry and entry.slot == "material" and any(e.name == "base_color" for e in entry.effects)
+    if entry and tints and leading[-1] in v.words["lightness"] and text not in v.synonyms:
+        return Token(text, entry.name, name=text, shades=tuple(shades))
+    return None
+
+
+def _compound(words: list[str], colors: dict[str, Values]) -> Values | None:
+    """The color of two color words: "khaki green"; None if the list has it, or if they are no color, or two: "teal orange"."""
+    if len(words) != 2 or " ".join(words) in colors or words[1] not in colors:
+        return None
+    first, base = words[0], colors[words[1]]
+    if first not in colors:
+        tinge = colors.get(_color_stem(first, colors))
+        return tinged(base, tinge, _TINGE) if tinge else None
+    two = first == words[1] or (first in _BASIC - _KINDS) or words[1] not in _KINDS
+    if two or not mixable(base, colors[first]):
+        return None
+    return tinged(base, colors[first], _HALF if first in _BASIC else _KIND)
+
+
+def _color_stem(word: str, colors: dict[str, Values]) -> str:
+    """The color's name in "greenish", "bluey" and "reddy"; "" for other words."""
+    for ending in ("ish", "y"):
+        base = word.removesuffix(ending)
+        found = next((s for s in (base, base[:-1], base + "e") if base != word and s in colors), "")
+        if found:
+            return found
+    return ""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Binds look words by a conditional random field: facts about a word and a target, their weights, and the likeliest row.
+"""Binds look words by a log-linear model: facts about a word and a target, and their weights.
 
 `lab/train/binding.py` fits the weights.
 """
@@ -11,45 +11,23 @@ import math
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cache
-from itertools import pairwise
+from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .lexer import TIES, Lexer, Token
+from .lexer import TIES, Token
 from .lexicon.vocabulary import Vocabulary
-from .mentions import mentions
-from .own_nouns import OwnNouns
-from .passage import Passage, PromptLook, passage, with_changes
-from .scene import Named, NounMention, SceneIndex, fit_rank
-from .targets import (
-    LAMPS,
-    MATTER,
-    NOWHERE,
-    SURFACE,
-    TINGE,
-    PromptPairs,
-    Sense,
-    Target,
-    TargetPair,
-    sense_at,
-    targets,
-)  # fmt: skip
+from .mentions import OwnNouns, mentions
+from .passage import Passage, PromptLook, passage
+from .scene import NounMention, SceneIndex, fit_rank
+from .targets import LAMPS, MATTER, PromptPairs, Sense, Target, TargetPair, sense_at, targets
 from .types import SceneDescription
 
 if TYPE_CHECKING:
-    import numpy as np
+    pass
 
 FILE = Path(__file__).with_name("lexicon") / "binding.json"
-APART = ("to the next clause", "to a far clause", "side by side", "over a tie", "over others")
-"""Ways in which two look words in a row stand to each other."""
-ALIKE = (
-    "both nowhere", "one nowhere", "same", "same, named by one", "same noun", "same kind", "others",
-    "same, color and color", "same, color and material", "same, material and color", "same, material and material",
-)  # fmt: skip
-"""Ways in which the targets of two look words relate; with a word about light also "same, SLOT and SLOT"."""
 _FAR = 4  # items; a greater distance counts as this
-_LIKELY = 8  # most targets of a look word among which its links to other look words decide
-_LEAST = 1e-300  # probability of what is next to impossible
 FactWeights = dict[str, float]
 
 
@@ -69,110 +47,15 @@ def scores(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list[fl
 
 
 def likeliest(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list[tuple[TargetPair, float]]:
-    """The few likeliest targets of a look word with their scores, best first.
+    """The targets of a look word with their probabilities, best first.
 
     Pairs with the same target and sense, by different nouns, count as one: the likeliest, with the sum of probabilities.
     """
-    same: dict[object, list[tuple[TargetPair, float]]] = {}
+    same = defaultdict(list)
     for pair, score in zip(pairs, scores(pairs, weights), strict=True):
-        same.setdefault((pair.target.kind, pair.target.names, pair.sense), []).append((pair, score))
-    pooled = []
-    for group in same.values():
-        together = math.log(sum(math.exp(score) for _, score in group) or _LEAST)
-        pooled.append((max(group, key=lambda each: each[1])[0], together))
-    return sorted(pooled, key=lambda each: -each[1])[:_LIKELY]
-
-
-def likeliest_row(read: PromptPairs, weights: Mapping[str, float]) -> list[TargetPair]:
-    """A pair for each look word: the likeliest row of all, by the scores of its pairs and the links between neighbors.
-
-    Viterbi's algorithm (1967). If no word of that row describes anything, the row is chosen again without such targets.
-    """
-    chosen = _viterbi(read.passage, read.pairs, weights)
-    if any(pair.target.kind not in NOWHERE for pair in chosen):
-        return chosen
-    somewhere = [[p for p in each if p.target.kind not in NOWHERE] or each for each in read.pairs]
-    return _viterbi(read.passage, somewhere, weights)
-
-
-def _viterbi(passage: Passage, pairs: Sequence[Sequence[TargetPair]], weights: Mapping[str, float]) -> list[TargetPair]:
-    if not pairs:
-        return []
-    rows, scores, links = _chain(passage, pairs, weights)
-    total = scores[0]
-    before: list[np.ndarray] = []
-    for tie, score in zip(links, scores[1:], strict=True):
-        both = total[:, None] + tie
-        before.append(both.argmax(0))
-        total = both.max(0) + score
-    places = [int(total.argmax())]
-    for came in reversed(before):
-        places.append(int(came[places[-1]]))
-    return [row[place] for row, place in zip(rows, reversed(places), strict=True)]
-
-
-def probabilities(read: PromptPairs, weights: Mapping[str, float]) -> list[list[tuple[TargetPair, float]]]:
-    """The likeliest pairs of each look word with marginal probabilities, best first (forward-backward, Rabiner 1989)."""
-    import numpy as np
-
-    if not read.pairs:
-        return []
-    rows, scores, links = _chain(read.passage, read.pairs, weights)
-    forward, backward = [scores[0]], [np.zeros(len(rows[-1]))]
-    for tie, score in zip(links, scores[1:], strict=True):
-        forward.append(np.logaddexp.reduce(forward[-1][:, None] + tie, axis=0) + score)
-    for tie, score in zip(reversed(links), reversed(scores[1:]), strict=True):
-        backward.append(np.logaddexp.reduce(tie + score + backward[-1], axis=1))
-    found = []
-    for row, before, after in zip(rows, forward, reversed(backward), strict=True):
-        both = before + after
-        marginal = np.exp(both - np.logaddexp.reduce(both)).tolist()
-        found.append(sorted(zip(row, marginal, strict=True), key=lambda each: -each[1]))
-    return found
-
-
-def _chain(
-    passage: Passage, pairs: Sequence[Sequence[TargetPair]], weights: Mapping[str, float]
-) -> tuple[list[list[TargetPair]], list[np.ndarray], list[np.ndarray]]:
-    """The likeliest pairs of each look word, their scores, and the weights of links between each word and the next."""
-    import numpy as np
-
-    found = [likeliest(each, weights) for each in pairs]
-    rows = [[pair for pair, _ in each] for each in found]
-    scores = [np.array([score for _, score in each]) for each in found]
-    links = [
-        np.array([[weights.get(link(passage, a, b), 0.0) for b in other] for a in one]) for one, other in pairwise(rows)
-    ]
-    return rows, scores, links
-
-
-def link(passage: Passage, one: TargetPair, other: TargetPair) -> str:
-    """The fact about two pairs in a row: how the look words stand to each other, and how their targets do."""
-    items, first, second = passage.items, one.look.index, other.look.index
-    between = passage.content(first + 1, second)
-    clauses = items[second].clause - items[first].clause
-    if clauses:
-        apart = APART[0] if clauses == 1 else APART[1]
-    elif not between:
-        apart = APART[2]
-    else:
-        apart = APART[3] if all(item.ties for item in between) else APART[4]
-    return f"link {apart}: {_alike(one, other)}"
-
-
-def _alike(one: TargetPair, other: TargetPair) -> str:
-    a, b = one.target, other.target
-    nowhere = (a.kind in NOWHERE) + (b.kind in NOWHERE)
-    if nowhere:
-        return "both nowhere" if nowhere == 2 else "one nowhere"
-    if (a.kind, a.names) == (b.kind, b.names):
-        slots = [pair.sense.slot for pair in (one, other) if not pair.look.negated]
-        if ({*slots} <= {"color", "material"} and len(slots) == 2) or "lighting" in slots:
-            return f"same, {' and '.join(slots)}"
-        return "same, named by one" if one.names_itself != other.names_itself else "same"
-    if a.mention >= 0 and a.mention == b.mention:
-        return "same noun"
-    return "same kind" if a.kind == b.kind else "others"
+        same[pair.target.kind, pair.target.names, pair.sense].append((math.exp(score), pair))
+    pooled = [(max(group, key=itemgetter(0))[1], sum(share for share, _ in group)) for group in same.values()]
+    return sorted(pooled, key=itemgetter(1), reverse=True)
 
 
 # Facts
@@ -195,14 +78,6 @@ class ClauseForms:
         if token.entry:
             return self.vocabulary.entries[token.entry].slot
         return "color" if token.color else "adjective"
-
-    def role(self, place: int) -> str:
-        """The role of an item: "noun", "look", one of `TIES`, or "other"."""
-        if place in self.noun_at:
-            return "noun"
-        if place in self.look_at:
-            return "look"
-        return next((tie for tie in TIES if tie in self.passage.items[place].lists), "other")
 
     def lead(self, index: int) -> str:
         """The word before a look word and its neighbors that are looks too: "on" of "on a glossy black floor"."""
@@ -236,10 +111,7 @@ class PairFeatures:
         self.look, self.token, self.forms = look, look.token, forms
         self.items, self.mentions = forms.passage.items, forms.mentions
         covering = [m for m in self.mentions if m.covers(look.index)]
-        # If the scene has a lake, "lake" counts as another word; words about surfaces do not.
-        named = look.token.entry and forms.sort_of(look.token) not in SURFACE
-        self._name = " and name" if named and any(_is_of_object(n) for m in covering for n in m.named) else ""
-        self._sort, self._lead = forms.sort_of(look.token) + self._name, forms.lead(look.index)
+        self._sort, self._lead = forms.sort_of(look.token), forms.lead(look.index)
         self._turn = forms.turn(self.items[look.index].clause)
         self._unnamed = [*self._unnamed_facts(is_noun=bool(covering))]
 
@@ -247,11 +119,9 @@ class PairFeatures:
         """The facts about one pair."""
         kind, token = target.kind, self.token
         group = "matter" if kind in MATTER else "lamp" if kind in LAMPS else kind
-        word = f"'{token.adjective or token.entry or 'a color'}'{self._name}"  # colors are not told apart
+        word = f"'{token.adjective or token.entry or 'a color'}'"  # colors are not told apart
         yield f"a {self._sort} word of {kind}"
         yield from (f"{word} at {group}", f"{word} of {kind}", f"{sense.way} at {group}")
-        if "thing" in token.lists:
-            yield f"a thing too at {group}: led by {self._lead}"
         if token.color and " " in token.text:
             yield f"color that is {token.text.split()[0]} at {group}"
         if token.color and token.text.endswith("s") and not token.name.endswith("s"):
@@ -283,16 +153,18 @@ class PairFeatures:
         if len(places) == 1:
             yield "alone"
         if is_noun:
-            yield f"noun too{self._name}"
+            yield "noun too"
         for place in [p for p in places if p > look][:1]:
-            yield from (f"before {self.forms.role(place)}", f"before '{items[place].text}'")
+            tie = next((tie for tie in TIES if tie in items[place].lists), "other")
+            role = "noun" if place in self.forms.noun_at else "look" if place in self.forms.look_at else tie
+            yield from (f"before {role}", f"before '{items[place].text}'")
             if "hour" in items[place].lists:
                 yield f"a {self._sort} word before an hour"
 
     def _named_facts(self, target: Target, mention: NounMention, group: str) -> Iterator[str]:
         """Facts about what a noun names: how the noun and the look word stand to each other, and how the noun fits."""
         if mention.covers(self.look.index):
-            yield f"itself at {group}{self._name}"
+            yield f"itself at {group}"
             return
         yield from (f"{group} by {sign}" for sign in target.signs)
         side = "after" if mention.start > self.look.index else "before"
@@ -342,41 +214,24 @@ class PairFeatures:
             yield f"{where}: first of its clause"
 
 
-def _is_of_object(named: Named) -> bool:
-    signs = (sign for sign in named.signs if not sign.endswith("synonym"))
-    return named.kind == "things" and any(sign.startswith("object") for sign in signs)
-
-
 def _kinds(mentions: list[NounMention]) -> str:
     kinds = {n.kind for m in mentions for n in m.named} | {m.noun for m in mentions if m.noun and not m.named}
     return " and ".join(sorted(kinds)) if len(kinds) <= 2 else "many"
 
 
-def looks(text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()) -> Passage:
-    """A prompt with its look words, of which nothing is bound; `foreign` are words of another language that are left in it."""
-    clauses = with_changes(Lexer(vocabulary, words, foreign).clauses(text), vocabulary)
-    return passage(clauses, vocabulary)
-
-
 def reading(text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()) -> PromptPairs:
-    """The look words of a prompt, each with everything that it may describe. Arguments as for `looks`."""
-    found = looks(text, words, vocabulary, foreign)
+    """The look words of a prompt, each with everything that it may describe. Arguments as for `passage`."""
+    found = passage(text, words, vocabulary, foreign)
     nouns = mentions(found, words.made(SceneIndex, vocabulary), vocabulary)
     every, own = targets(nouns, words), OwnNouns(found, nouns, vocabulary)
     forms, pairs = ClauseForms(found, nouns, vocabulary), []
     for look in found.looks:
-        may_be = [*every, Target(TINGE)] if found.tinged(look) else every
+        may_be = every
         if changed := own.changed(look.index):  # in a change phrase, only targets of its object
             theirs = {number for number, noun in enumerate(nouns) if noun.covers(changed.start)}
-            may_be = [t for t in may_be if t.mention in theirs or t.kind == TINGE] or may_be
-        senses = ((target, sense_at(look.token, target.kind, vocabulary)) for target in may_be)
+            may_be = [target for target in every if target.mention in theirs] or every
         facts = PairFeatures(look, forms)
-        itself = {number for number, noun in enumerate(nouns) if noun.covers(look.index)}
-        pairs.append(
-            [
-                TargetPair(look, t, sense, tuple(sorted({*facts.of(t, sense)})), t.mention in itself)
-                for t, sense in senses
-                if sense
-            ]
-        )
+        senses = ((target, sense_at(look.token, target.kind, vocabulary)) for target in may_be)
+        each = ((target, sense, {*facts.of(target, sense)}) for target, sense in senses if sense)
+        pairs.append([TargetPair(look, target, sense, tuple(sorted(names))) for target, sense, names in each])
     return PromptPairs(found, nouns, pairs)

@@ -12,7 +12,7 @@ from .lexicon.languages import folded, name_words, senses, singular
 from .lexicon.vocabulary import Vocabulary
 from .types import SceneDescription
 
-FITS = ("exact", "all", "last", "whole", "synonym", "part", "part's synonym", "detail's whole")
+FITS = ("exact", "all", "last", "whole", "synonym", "part", "detail's whole")
 """Ways in which words fit a name, the surest first."""
 _NAMES = 16_384  # names of scenes that are cached
 
@@ -94,15 +94,15 @@ def fit(words: tuple[str, ...], name: tuple[str, ...], vocabulary: Vocabulary) -
         found = (w in name or (_shares_a_sense(w, name) and not is_of_surfaces(w, vocabulary)) for w in words)
         return "all" if all(found) or joined in name else ""
     (word,) = words
-    if word in name_words("sides"):
+    if word in name_words("sides"):  # "from the right"
         return ""
     if word == name[-1] or word == "".join(name[-2:]):
         return "last"
     if word in name:
-        return _part_fit(name, "part", "whole")
-    if _shares_a_sense(word, (name[-1], " ".join(name))):
-        return "synonym"
-    return _part_fit(name, "part's synonym", "synonym") if _shares_a_sense(word, name[:-1]) else ""
+        if name[-1] in name_words("details"):
+            return "detail's whole"
+        return "whole" if name[-1] in name_words("limbs") else "part"  # "car shell" is the car, "robot eyes" are not it
+    return "synonym" if _shares_a_sense(word, (name[-1], " ".join(name))) else ""
 
 
 def _shares_a_sense(word: str, others: Iterable[str]) -> bool:
@@ -112,13 +112,6 @@ def _shares_a_sense(word: str, others: Iterable[str]) -> bool:
 def is_of_surfaces(word: str, vocabulary: Vocabulary) -> bool:
     """True if a word of a name says what a thing is made of, or its color or finish."""
     return word in vocabulary.colors or vocabulary.slot(word) in ("material", "finish")
-
-
-def _part_fit(name: tuple[str, ...], way: str, of_limb: str) -> str:
-    """The way in which a word fits inside a name. A limb means the whole ("car shell"), a detail does not ("robot eyes")."""
-    if name[-1] in name_words("details"):
-        return "detail's whole"
-    return of_limb if name[-1] in name_words("limbs") else way
 
 
 def best(found: Iterable[str]) -> str:

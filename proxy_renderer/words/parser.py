@@ -3,29 +3,36 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 
 from ..schema import VibeError
 from ..schema.limits import LONGEST_PROMPT
+from ..schema.material_copies import copied, copy_name, every
 from ..schema.options import checks
+from ..schema.parameters import Region
 from ..schema.targets import GENERAL, NOT_USED, OFFERED, joined
 from .attributes import complete
 from .foreign import Gloss, Retelling, gloss, other_language, understood
 from .lexer import Token
 from .lexicon.entries import normalize
-from .lexicon.user_words import default_vocabulary
-from .lexicon.vocabulary import Vocabulary
-from .model import FactWeights, looks, scores
+from .lexicon.vocabulary import Vocabulary, default_vocabulary
+from .mentions import mentions, named_objects
+from .model import FactWeights, scores
+from .names import fit, parts
 from .normalized import Normalized, normalized
-from .own_nouns import with_own_materials
+from .passage import Passage, passage
 from .reader import PromptReading, read_words
+from .scene import SceneIndex
 from .targets import described_name, key_numbers, plain_key, sense_at, target_name
-from .types import Attribute, Candidate, Parsed, PromptWord, SceneDescription
+from .types import Attribute, Candidate, MaterialLook, Parsed, PromptWord, SceneDescription
 
 _TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>|\x1b\[[0-9;]*[A-Za-z]|[\x00-\x08\x0e-\x1f\x7f]")
+_STUCK = "'{text}' is not changed: other objects have its material '{material}' too. Make it single-user in Blender."
 _THINGS_STAY = "things are not added, moved or removed, only their look changes."
 _LEAST = 0.02  # probability of a candidate
 _MOST = 16  # most objects, and most lights, that a word's menu offers in addition to its candidates
@@ -48,8 +55,8 @@ class Understood:
         self.unknown: VibeError | None
         vocabulary = default_vocabulary()
         try:
-            found = looks(_opened(prompt, scene, vocabulary)[2].text, scene, vocabulary)
-            self.scene, stuck = with_own_materials(found, scene, vocabulary)
+            found = passage(_opened(prompt, scene, vocabulary)[2].text, scene, vocabulary)
+            self.scene, stuck = _with_own_materials(found, scene, vocabulary)
             self._parsed = parsed = read(prompt, self.scene, vocabulary, told=checks.targets(told))
             parsed.notes += stuck.values()
             parsed.protected = (*parsed.protected, *(f"material/{name}" for name in stuck))
@@ -93,7 +100,7 @@ def refuse_without_look(prompt: str) -> None:
     """Refuses a prompt that says nothing in any scene, before Blender is started; raises VibeError as `parse` does."""
     scene, vocabulary = SceneDescription(), default_vocabulary()
     glossed, mixed, normal = _opened(prompt, scene, vocabulary)
-    found = looks(normal.text, scene, vocabulary, glossed.unknown)
+    found = passage(normal.text, scene, vocabulary, glossed.unknown)
     if not (found.looks or normal.links or normal.notes):
         raise _without_look(glossed, mixed, undone=bool(found.wishes))
 
@@ -143,7 +150,7 @@ def read(
     reading = read_words(
         normal.text, scene, vocabulary, weights, foreign=glossed.unknown, targets=targets, english=english
     )
-    parsed, passage = reading.parsed, reading.pairs.passage
+    parsed, found = reading.parsed, reading.pairs.passage
     parsed.prompt = glossed.prompt
     parsed.protected = tuple(dict.fromkeys(key for _, kept in normal.protections for key in kept))
     parsed.links = tuple(normal.links)
@@ -151,10 +158,10 @@ def read(
     for text, kept in normal.protections:
         names = ", ".join(key.partition("/")[2] or key for key in kept)
         parsed.notes.append(f"'{text}': {names or 'what no word names'} stays as it is.")
-    undone = [" ".join(words) for words in passage.wishes]
-    if passage.beyond:
+    undone = [" ".join(words) for words in found.wishes]
+    if found.beyond:
         nothing = "no value of a material, light, world, fog or film gives that."
-        parsed.notes.append(f"{_quoted(passage.beyond)}: {nothing}")
+        parsed.notes.append(f"{_quoted(found.beyond)}: {nothing}")
     if undone:
         parsed.notes.append(f"{_quoted(undone)}: {_THINGS_STAY}")
     if mixed:
@@ -196,7 +203,7 @@ def why(reading: PromptReading) -> str:
 
 def _prompt_words(reading: PromptReading, parsed: Parsed, own: Callable[[str], str]) -> tuple[PromptWord, ...]:
     """The look words of a prompt and the words that are left out, in its order; `own` gives its words for English ones."""
-    numbers = key_numbers([pair.look.text for pair in reading.chosen])
+    numbers, prompt = key_numbers([pair.look.text for pair in reading.chosen]), parsed.prompt
     words = []
     for number, end in enumerate(numbers):
         said = [a for a in parsed.attributes if a.look == number and not a.cause]
@@ -204,7 +211,15 @@ def _prompt_words(reading: PromptReading, parsed: Parsed, own: Callable[[str], s
             words.append(_look_word(reading, number, said, end, own))
     known = {word.text for word in words}
     words += [PromptWord(text, text) for text in dict.fromkeys(parsed.ignored) if text not in known]
-    return _placed(words, parsed.prompt)
+    # Their places; words that the prompt spells otherwise come last
+    placed, start = [], 0
+    for word in words:
+        text = r"[\W_]+".join(map(re.escape, re.findall(r"#?[^\W_]+", word.text)))
+        pattern = re.compile(text or r"(?!)", re.IGNORECASE)
+        match = pattern.search(prompt, start) or pattern.search(prompt)
+        start = match.end() if match and word.candidates else start
+        placed.append(replace(word, place=match.span() if match else None))
+    return tuple(sorted(placed, key=lambda word: word.place or (len(prompt), len(prompt))))
 
 
 def _look_word(
@@ -266,13 +281,88 @@ def _largest(scene: SceneDescription, _: Vocabulary) -> list[str]:
     return sorted(scene.object_materials, key=share, reverse=True)[:_MOST]
 
 
-def _placed(words: Iterable[PromptWord], prompt: str) -> tuple[PromptWord, ...]:
-    """Words with their places in a prompt, in its order; words that it spells otherwise come last."""
-    found, end = [], 0
-    for word in words:
-        text = r"[\W_]+".join(map(re.escape, re.findall(r"#?[^\W_]+", word.text)))
-        pattern = re.compile(text or r"(?!)", re.IGNORECASE)
-        match = pattern.search(prompt, end) or pattern.search(prompt)
-        end = match.end() if match and word.candidates else end
-        found.append(replace(word, place=match.span() if match else None))
-    return tuple(sorted(found, key=lambda word: word.place or (len(prompt), len(prompt))))
+# Copies of shared materials, so that no other object changes with the one that is named
+
+
+def _with_own_materials(
+    passage: Passage, scene: SceneDescription, vocabulary: Vocabulary
+) -> tuple[SceneDescription, dict[str, str]]:
+    """The scene with copies of materials that objects of the prompt share with others.
+
+    Also returns, for each material that cannot be copied, a sentence that says so.
+    """
+    wearers: dict[str, list[str]] = defaultdict(list)
+    for thing, worn in scene.object_materials.items():
+        for material in worn:
+            wearers[material].append(thing)
+    shared = {m: its for m, its in wearers.items() if len(its) > 1}
+    if not scene.looks or not shared:
+        return scene, {}
+    index, copies, stuck = scene.made(SceneIndex, vocabulary), dict[str, list[str]](), dict[str, str]()
+    named = []
+    for mention in mentions(passage, index, vocabulary):
+        mine = {o for thing in named_objects(mention, index) for o in (thing, *index.parts_of(thing))}
+        named.append((mine, mention.text))
+    named.sort(key=lambda each: len(each[0]))
+    done = set[tuple[str, str]]()
+    for (mine, text), (material, its) in itertools.product(named, shared.items()):
+        theirs = [thing for thing in its if thing in mine and (material, thing) not in done]
+        # a material with the object's name is meant itself, for all objects that wear it
+        if not theirs or mine.issuperset(its) or fit(parts(text), parts(material), vocabulary):
+            continue
+        done |= {(material, thing) for thing in theirs}
+        found = _copies(material, theirs, scene)
+        copies |= found
+        if {*theirs}.difference(*found.values()):
+            stuck[material] = _STUCK.format(text=text, material=material)
+    return (_with_copies(scene, copies) if copies else scene), stuck
+
+
+def _copies(material: str, wearers: list[str], scene: SceneDescription) -> dict[str, list[str]]:
+    """Name of a copy -> the objects that wear it; several copies if the name of one for all is too long for Blender."""
+    each: dict[str, list[str]] = defaultdict(list)
+    count, mine = Counter(map(every, scene.objects)), Counter(map(every, wearers))
+    for thing in wearers:
+        who = every(thing)
+        each[who if 1 < count[who] == mine[who] else thing].append(thing)
+    together = copy_name(material, [*each])
+    found = {together: wearers} if together else {copy_name(material, [who]): o for who, o in each.items()}
+    return {name: things for name, things in found.items() if name and name not in scene.materials}
+
+
+def _with_copies(scene: SceneDescription, copies: dict[str, list[str]]) -> SceneDescription:
+    theirs = {(copied(name)[0], o): name for name, things in copies.items() for o in things}
+    worn = {o: tuple(theirs.get((m, o), m) for m in its) for o, its in scene.object_materials.items()}
+    sources = {name: copied(name)[0] for name in copies}
+    looks, emitters = dict(scene.looks), dict(scene.emitters)
+    for name, material in sources.items():
+        if look := looks.get(material):
+            looks[name], looks[material] = _split(look, copies[name])
+        if glow := emitters.get(material):
+            emitters[name] = replace(glow, objects=tuple(o for o in glow.objects if o in copies[name]))
+
+    def region(material: str) -> Region:
+        mine = (o for o, its in worn.items() if material in its)
+        return "subject" if any(scene.objects[o] == "subject" for o in mine) else "surroundings"
+
+    luminance = scene.texture_luminance
+    return replace(
+        scene,
+        materials=scene.materials | {name: region(name) for name in (*copies, *sources.values())},
+        object_materials=worn,
+        looks=looks,
+        emitters=emitters,
+        glows=(*scene.glows, *(name for name in copies if sources[name] in scene.glows)),
+        texture_luminance=luminance | {n: luminance[m] for n, m in sources.items() if m in luminance},
+        copies={name: tuple(things) for name, things in copies.items()},
+    )
+
+
+def _split(look: MaterialLook, things: list[str]) -> tuple[MaterialLook, MaterialLook]:
+    """The look of a material on some objects, and on all others; its `structures` stay with the larger part."""
+    mine = {o: share for o, share in look.worn.items() if o in things}
+    rest = {o: share for o, share in look.worn.items() if o not in things}
+    one, other = (replace(look, share=sum(worn.values()), worn=worn) for worn in (mine, rest))
+    if one.share < other.share:
+        return replace(one, structures=frozenset()), other
+    return one, replace(other, structures=frozenset())

@@ -2,14 +2,14 @@
 """A prompt as a row of tokens, and its look words; "red" in "the roof from red to grey", a present look, is none."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field, replace
-from itertools import groupby, takewhile
+from itertools import takewhile
 
-from .lexer import Token
+from .lexer import Lexer, Token
 from .lexicon.languages import singular, thing_words
 from .lexicon.vocabulary import Vocabulary
-from .types import STRONGEST, WEAKEST
+from .types import STRONGEST, WEAKEST, SceneDescription
 
 _WISHES = {"action", "undo"}
 _ENDS = {*_WISHES, "again"}  # lists of words that end a wish
@@ -27,7 +27,6 @@ _CHANGES = [
     re.compile(pattern)
     for pattern in (
         f"(?:V[^LNK]*)?{_X}[^LNK]*?f[d_]*{_A}t[d_]*{_B}",  # "change the roof from red to grey"
-        f"^[^LNK]*V[^LNK]*f[d_]*{_A}t[d_]*{_B}(?:[_d]*{_X})?",  # "go from red to grey on the roof"
         f"S[d_]*{_A}[^LNK]*?[wt][d_w]*{_B}[_d]*{_X}",  # "swap the cyan glow for orange on the rings"
         f"S[d_]*{_A}(?:[^LNK]*{_X})?[^LK]*?[wt][d_w]*{_B}O?",  # "swap the navy surface for oak"
         f"S[d_]*{_X}{_A}[^LNK]*?[wt][d_w]*{_B}",  # the same where looks follow: "the car red"
@@ -38,7 +37,6 @@ _CHANGES = [
         f"(?:{_X}[^LNK]*)?R[d_]*{_A}_*b[d_]*{_B}",  # "the roof is no longer red but grey"
         f"{_B}{_X}[^LK]*?I[d_]*{_A}O?",  # "a grey roof instead of a red one"
         f"(?:{_X}[^LNK]*)?{_B}[^LNK]*?I[d_]*{_A}O?",  # "the roof grey instead of red"
-        f"(?:{_X}[^LNK]*)?I[d_]*(?P<a>L){_B}",  # "the roof, instead of red, grey"
     )
 ]
 _MOST = 4  # changes in one clause
@@ -71,35 +69,25 @@ class Passage:
     wishes: list[list[str]] = field(default_factory=list)  # words of wishes that only a modeler can fulfill
     beyond: list[str] = field(default_factory=list)  # words that no parameter can fulfill
 
-    def tinged(self, look: PromptLook) -> PromptLook | None:
-        """The color right after a look word, whose shade the look word may be; None if there is none."""
-        clause = self.items[look.index].clause
-        following = (other for other in self.looks if other.index == look.index + 1 and other.token.color)
-        return next((other for other in following if self.items[other.index].clause == clause), None)
-
     def content(self, start: int, end: int) -> list[Token]:
         """The items from `start` to before `end` that are no fillers."""
         return [item for item in self.items[max(start, 0) : end] if not item.filler]
 
 
-def passage(clauses: list[list[Token]], vocabulary: Vocabulary) -> Passage:
-    """The look words of a prompt, given the tokens of each clause."""
+def passage(text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()) -> Passage:
+    """A prompt with its look words, of which nothing is bound; `foreign` are words of another language that are left in it."""
     found = Passage([])
-    number = 0
-    for tokens, following in zip(clauses, [*clauses[1:], []], strict=False):
-        found.starts.add(len(found.items))
-        found.items += _without_wishes(number, tokens, found)
-        # "red, green and blue balls" is one clause
-        listed = len(tokens) == 1 and tokens[0].color and len(following) > 2 and following[0].color
-        number += not (listed and "listing" in following[1].lists)
-    for _, clause in groupby(enumerate(found.items), key=lambda each: each[1].clause):
-        found.looks += _looks(found, clause, vocabulary)
+    for number, tokens in enumerate(Lexer(vocabulary, words, foreign).clauses(text)):
+        start = len(found.items)
+        found.starts.add(start)
+        found.items += _without_wishes(number, _with_changes(number, tokens, vocabulary), found)
+        found.looks += _looks(found, start, vocabulary)
     found.beyond = [i.text for i in found.items if "beyond" in i.lists]
     return found
 
 
 def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterator[Token]:
-    """The tokens of a clause; those of a wish to add or remove things are marked as `wished`, and those after a focus.
+    """The tokens of a clause; those of a wish to add or remove things are marked as `wished`.
 
     A wish about looks, light or fog is not marked.
     """
@@ -111,21 +99,21 @@ def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterato
             if not (about_looks and all(t.known and "count" not in t.lists for t in objects)):
                 until = index + 1 + len(objects)
                 found.wishes.append([t.text for t in tokens[index:until] if not t.lists & {"stop", "joiner"}])
-        elif "focus" in token.lists:
+        elif "focus" in token.lists:  # "focus on the cup" wishes nothing of the cup
             until = len(tokens)
         yield replace(token, clause=number, wished=index < until)
 
 
-def _looks(found: Passage, clause: Iterable[tuple[int, Token]], vocabulary: Vocabulary) -> Iterator[PromptLook]:
-    """The look words of a clause, with the intensities and negations before them."""
+def _looks(found: Passage, start: int, vocabulary: Vocabulary) -> Iterator[PromptLook]:
+    """The look words of the clause that begins at a place, with the intensities and negations before them."""
     prefix: list[str] = []
     strength, negated = 1.0, False
-    for index, token in clause:
+    for index, token in enumerate(found.items[start:], start):
         if token.wished or "beyond" in token.lists:
             continue
         following = next(iter(found.content(index + 1, len(found.items))), None)
         absent = negated and token.noun in vocabulary.absent and not token.entry  # "no shadows" is a look too
-        before_a_look = following and following.clause == token.clause and following.names_a_look
+        before_a_look = following and following.names_a_look
         if token.strength is not None and (before_a_look or not token.names_a_look):  # no "strong light"
             strength = min(max(strength * token.strength, WEAKEST), STRONGEST)
             prefix.append(token.text)
@@ -151,19 +139,16 @@ def is_object(token: Token, vocabulary: Vocabulary) -> bool:
     return token.scene or structure or (singular(token.text) in thing_words() and not token.known)
 
 
-def with_changes(clauses: list[list[Token]], vocabulary: Vocabulary) -> list[list[Token]]:
-    """Clauses in which each object holds its present looks, see `Token.presents`: "the roof from red to slate"."""
-    found = []
-    for clause, tokens in enumerate(clauses, start=1):
-        for number in range(_MOST):  # "make the red door blue and the white wall grey"
-            letters = "".join(_letter(token, vocabulary) for token in tokens)
-            matches = filter(None, (pattern.search(letters) for pattern in _CHANGES))
-            match = next((match for match in matches if _is_a_change(tokens, match)), None)
-            if match is None or "G" in letters:
-                break
-            tokens = _changed(clause * _MOST + number, tokens, match)
-        found.append(tokens)
-    return found
+def _with_changes(clause: int, tokens: list[Token], vocabulary: Vocabulary) -> list[Token]:
+    """A clause in which each object holds its present looks, see `Token.presents`: "the roof from red to slate"."""
+    for number in range(1, _MOST + 1):  # "make the red door blue and the white wall grey"
+        letters = "".join(_letter(token, vocabulary) for token in tokens)
+        matches = filter(None, (pattern.search(letters) for pattern in _CHANGES))
+        match = next((match for match in matches if _is_a_change(tokens, match)), None)
+        if match is None or "G" in letters:
+            break
+        tokens = _changed(clause * _MOST + number, tokens, match)
+    return tokens
 
 
 def _letter(token: Token, vocabulary: Vocabulary) -> str:

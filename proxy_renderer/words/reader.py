@@ -1,27 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
 """Binds the look words of a prompt by fitted weights, and turns them into attributes for the planner."""
 
-import math
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import pairwise
 
 from ..schema import VibeError
 from ..schema.parameters import Region
-from .attributes import NamedThing, is_light, light_phrases, shade_effect, shaded
-from .lexicon.entries import VocabularyEntry
-from .lexicon.rigs import TIMES, rig_table
+from .attributes import NamedThing, light_phrases
+from .lexicon.languages import name_words, singular, thing_words
+from .lexicon.rigs import rig_table
 from .lexicon.vocabulary import Vocabulary
-from .model import likeliest_row, probabilities, reading, scores, shipped_weights
-from .own_nouns import AbsentObjects
-from .passage import PromptLook
-from .scene import materials_of
-from .targets import LAMPS, MATTER, NOWHERE, ROLES, TINGE, PromptPairs, Target, TargetPair, rest, sense_at, with_choices
-from .types import GLOW, STRONGEST, WEAKEST, Attribute, Parsed, SceneDescription
+from .mentions import OwnNouns
+from .model import likeliest, reading, shipped_weights
+from .names import is_detail, is_of_surfaces, parts
+from .passage import STRUCTURES
+from .scene import NounMention, is_alike, materials_of
+from .targets import LAMPS, MATTER, ROLES, SURFACE, PromptPairs, TargetPair, rest, sense_at, with_choices
+from .types import STRONGEST, WEAKEST, Attribute, MaterialLook, Parsed, SceneDescription
 
 _PLAIN = "Use plain look words that the vocabulary knows."
+_MAIN = 0.7  # least share of the subject that has one color, for a subject of one material
 _UNSURE = 0.35
 """A word that is no look word with a greater probability is not used; chosen on a half of tests/words/ordinary_words.toml."""
 _LESS = 0.7  # share of the opposite that "less" asks for
@@ -51,7 +51,7 @@ class PromptReading:
     @cached_property
     def probabilities(self) -> list[list[tuple[TargetPair, float]]]:
         """The likeliest pairs of each look word with their probabilities, without the artist's choices."""
-        return probabilities(self.pairs, self.weights)
+        return [likeliest(pairs, self.weights) for pairs in self.pairs.pairs]
 
 
 def read_words(
@@ -65,7 +65,7 @@ def read_words(
     english: Mapping[str, str] | None = None,
     is_part: bool = False,
 ) -> PromptReading:
-    """Scores every look word with everything that it may describe, and takes the likeliest row of all.
+    """Scores every look word with everything that it may describe, and takes the likeliest.
 
     Args:
         targets: Word -> the target that the artist has chosen for it.
@@ -78,18 +78,24 @@ def read_words(
     weights = shipped_weights() if weights is None else weights
     pairs = reading(text, scene, vocabulary, foreign)
     phrases = light_phrases(pairs.passage, vocabulary, rig_table())
-    each = zip(likeliest_row(pairs, weights), pairs.pairs, strict=True)
-    row = [_where_it_stands(pair, others, pairs, phrases, scene, vocabulary) for pair, others in each]
+    ranked = [[pair for pair, _ in likeliest(each, weights)] for each in pairs.pairs]
+    row = [each[0] for each in ranked]
+    if all(pair.target.kind == "none" for pair in row):  # then each word describes something, if it can
+        row = [next((p for p in each if p.target.kind != "none"), each[0]) for each in ranked]
+    row = [_in_its_light(pair, each, pairs.mentions, phrases) for pair, each in zip(row, ranked, strict=True)]
     chosen, unused = with_choices(row, targets or {}, english or {}, scene, vocabulary)
-    for number, (pair, after) in enumerate(pairwise(chosen)):  # "a washed out green vase"
-        is_one = pairs.passage.tinged(pair.look) == after.look and pair.target == after.target
-        may_be = is_one and after.sense.way == "color" and not (pair.chosen or pair.look.negated)
-        if may_be and shade_effect(pair.sense.entry, vocabulary):
-            chosen[number] = replace(pair, target=Target(TINGE))
     objects = AbsentObjects(pairs, scene, vocabulary)
     subject, parsed, passage = objects.subject or scene.subject, Parsed(text), pairs.passage
     read = PromptReading(vocabulary, scene, weights, pairs, chosen, subject, parsed, is_part)
-    _find_absent(read, objects)
+    # Words whose object the scene lacks
+    lacking = defaultdict(list)
+    for number, pair in enumerate(chosen):
+        if noun := "" if pair.chosen else objects.noun_of(pair):
+            lacking[noun].append(f"'{pair.look.text}'")
+            read.absent.add(number)
+    texts = lacking.items()
+    read.lacking = [f"{', '.join(w)}: there is no '{noun}' in the scene; not used." for noun, w in texts]
+    parsed.notes += read.lacking
     # What each word says
     for number, pair in enumerate(chosen):
         said, token = _attributes_of(read, number), pair.look.token
@@ -107,70 +113,31 @@ def read_words(
     return read
 
 
-def _where_it_stands(
-    pair: TargetPair,
-    pairs: list[TargetPair],
-    found: PromptPairs,
-    phrases: Mapping[int, tuple[int, ...]],
-    scene: SceneDescription,
-    vocabulary: Vocabulary,
+def _unknown(read: PromptReading) -> Iterator[str]:
+    """Words that name nothing that is known, and are no look either."""
+    items, mentions = read.pairs.passage.items, read.pairs.mentions
+    bound = {pair.look.index for pair in read.chosen if pair.target.kind != "none"}
+    named = {m.text for m in mentions if m.named}
+    unknown = (m for m in mentions if m.noun == "unknown" and not m.named and m.start not in bound)
+    yield from (m.text for m in unknown if m.text != read.subject)
+    yield from (t.text for t in items if t.unsure and not t.scene and t.text not in named)
+    yield from (t.text for t in items if "count" in t.lists or t.text.isdigit())
+
+
+def _in_its_light(
+    pair: TargetPair, pairs: list[TargetPair], mentions: list[NounMention], phrases: Mapping[int, tuple[int, ...]]
 ) -> TargetPair:
-    """A look word's pair, or one with another target if the place of the word makes that certain.
+    """A look word's pair; with light as its target if it is in the description of a light, "a pink one at the left".
 
-    In the description of a light, a word describes light, "a pink one at the left", unless the description names its target
-    with no light between: "an orange sun behind the red cars". A sun is no light of another type: "sun through the window".
-    A color right before fog or smoke is that of the air: "greenish ground fog".
-    A word that both lights and surfaces can have is the light's where the named surface glows: "globes brighter".
+    It keeps a target that this description names: "an orange sun behind the red cars".
     """
-    target, look, items, kind = pair.target, pair.look, found.passage.items, ""
-    if glow := _glow_of(pair, pairs, found, vocabulary):
-        return glow
-    lamps = [scene.lights[n].type for n in target.names if n in scene.lights]
-    if lamps and _is_a_sun(pair) and not {"SUN", ""}.intersection(lamps):
-        kind = "light"
-    elif numbers := phrases.get(look.index):
-        noun = found.mentions[target.mention] if target.mention >= 0 else None
-        between = items[look.index + 1 : noun.start] if noun and target.kind in MATTER else []
-        past = any(is_light(item, rig_table(), vocabulary) for item in between)
-        here = noun and phrases.get(noun.start) == numbers and (noun.named or noun.role) and not past
-        of_light = look.token.color or look.token.adjective
-        may_move = target.kind in LAMPS or (target.kind in (*MATTER, "none") and of_light)
-        kind = "light" if may_move and not here else ""
-    elif look.token.color:
-        after = next((item for item in items[look.index + 1 :] if item.strength is None), look.token)
-        is_air = after.noun == "fog" or vocabulary.slot(after.entry) == "atmosphere"
-        kind = "air" if is_air and after.clause == items[look.index].clause else ""
-    return next((other for other in pairs if other.target.kind == kind), pair)
-
-
-def _glow_of(
-    pair: TargetPair, pairs: list[TargetPair], found: PromptPairs, vocabulary: Vocabulary
-) -> TargetPair | None:
-    """The pair of a word with the glow of the surface that it describes, if lights can be called so too; None without a glow."""
-    target, look = pair.target, pair.look
-    if "lamp" not in vocabulary.adjectives.get(look.token.adjective, {}) or target.kind in (*LAMPS, "light"):
-        return None
-    after = {n for n, noun in enumerate(found.mentions) if noun.start == look.index + 1}
-    nouns = {target.mention} if target.mention >= 0 else after
-    glows = (p for p in pairs if p.target.kind == "lights" and p.target.mention in nouns)
-    return next((p for p in glows if all(name.startswith(GLOW) for name in p.target.names)), None)
-
-
-def _is_a_sun(pair: TargetPair) -> bool:
-    rig = rig_table().rigs.get(pair.sense.entry)
-    return rig is not None and any(light.type == "SUN" for light in rig.lights[:1])
-
-
-def _find_absent(read: PromptReading, objects: AbsentObjects) -> None:
-    """Finds the words whose object the scene lacks; adds a note for each such object."""
-    lacking = defaultdict(list)
-    for number, pair in enumerate(read.chosen):
-        if noun := "" if pair.chosen else objects.noun_of(pair):
-            lacking[noun].append(f"'{pair.look.text}'")
-            read.absent.add(number)
-    texts = lacking.items()
-    read.lacking = [f"{', '.join(w)}: there is no '{noun}' in the scene; not used." for noun, w in texts]
-    read.parsed.notes += read.lacking
+    target, token, numbers = pair.target, pair.look.token, phrases.get(pair.look.index)
+    named_here = target.mention >= 0 and phrases.get(mentions[target.mention].start) == numbers
+    is_a_name = any(m.named and m.covers(pair.look.index) for m in mentions)
+    may_be = target.kind in LAMPS or (target.kind in MATTER and (token.color or token.adjective))
+    if not numbers or named_here or not (may_be or (target.kind == "none" and not is_a_name)):
+        return pair
+    return next((other for other in pairs if other.target.kind == "light"), pair)
 
 
 def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
@@ -184,52 +151,22 @@ def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
         return _attributes(read, pair, entry, replace(thing, thing=pair.chosen) if pair.target.names else thing)
     # "pier", if the scene has one
     is_a_name = any(m.named and m.covers(pair.look.index) for m in read.pairs.mentions)
-    unsure = _is_unsure(read, number)
-    rig = rig_table().rigs.get(token.entry)
-    is_an_hour = rig is not None and rig.kind in TIMES  # of the image, though a lamp may be called "sun"
-    # "fire" of "blue fire" is the object that "blue" describes
-    if kind == "light" and is_a_name and not is_an_hour and _is_described(read, pair):
-        return None
-    if (kind == "none" or unsure) and not is_a_name and _is_a_light(read, pair):
-        return _attributes(read, pair, token.entry, _of("light", token.text, "whole"))
-    if number in read.absent or unsure:
+    if number in read.absent or _is_unsure(read, number):
         return []
-    if kind in NOWHERE:
-        return None if kind == TINGE or is_a_name else []
+    if kind == "none":
+        return None if is_a_name else []
     for after in read.chosen[number + 1 : number + 2]:  # "emerald" of "emerald velvet" is a color
         adjoins = token.color and after.look.index == pair.look.index + 1
         entry = "" if adjoins and after.sense.slot == pair.sense.slot == "material" else entry
-    said = _attributes(read, pair, entry, _thing(read, pair))
-    for before in read.chosen[max(number - 1, 0) : number]:
-        if before.target.kind == TINGE and (alone := sense_at(before.look.token, "things", read.vocabulary)):
-            shade = before.look.text, alone.entry, before.look.strength
-            said = [shaded(each, *shade, read.vocabulary) for each in said]
-    return said
+    return _attributes(read, pair, entry, _thing(read, pair))
 
 
 def _is_unsure(read: PromptReading, number: int) -> bool:
     """True if a word is likely no look word, and no noun names what it describes."""
-    target, pairs = read.chosen[number].target, read.pairs.pairs[number]
+    target = read.chosen[number].target
     if target.mention >= 0 or target.kind not in (*MATTER, "picture") or len(read.chosen) == 1:
         return False
-    likely = zip(scores(pairs, read.weights), pairs, strict=True)
-    return sum(math.exp(score) for score, each in likely if each.target.kind == "none") > _UNSURE
-
-
-def _is_described(read: PromptReading, pair: TargetPair) -> bool:
-    """True if a word is the object that other words describe."""
-    described = (p.target.mention for p in read.chosen if p is not pair and p.target.mention >= 0)
-    return any(read.pairs.mentions[mention].covers(pair.look.index) for mention in described)
-
-
-def _is_a_light(read: PromptReading, pair: TargetPair) -> bool:
-    """True if a word that seems to name a thing is a source of light that a rig is for: "a single candle on the left"."""
-    token, rig = pair.look.token, rig_table().rigs.get(pair.look.token.entry)
-    before = read.pairs.passage.items[pair.look.index - 1 : pair.look.index]
-    is_there = any("definite" in item.lists for item in before)  # "the candle is red"
-    if rig is None or is_there or _is_described(read, pair):
-        return False
-    return rig.kind in ("source", *TIMES) and not (rig.adds or token.guess)
+    return sum(share for each, share in read.probabilities[number] if each.target.kind == "none") > _UNSURE
 
 
 def _attributes(read: PromptReading, pair: TargetPair, entry: str, thing: Attribute) -> list[Attribute]:
@@ -256,19 +193,17 @@ def _attributes(read: PromptReading, pair: TargetPair, entry: str, thing: Attrib
         return [own]
     if read.is_part:
         raise VibeError(f"Vocabulary: '{known.name}', for which a mood stands, is a mood itself.", _PLAIN)
-    return [own, *_meant(read, word, known, thing.kind == "tone")]
-
-
-def _meant(read: PromptReading, word: PromptLook, known: VocabularyEntry, grade: bool) -> Iterator[Attribute]:
-    """Attributes that a mood stands for; with `grade` only those of the slot "grade"."""
+    found = [own]
     for text in known.means.split(","):
         meant = read_words(text, SceneDescription(), read.vocabulary, read.weights, is_part=True)
         if not meant.parsed.attributes:
             problem = f"Vocabulary: '{text.strip()}', for which '{known.name}' stands, is no look."
             raise VibeError(problem, _PLAIN)
-        for part in (a for a in meant.parsed.attributes if a.slot == "grade" or not grade):
-            strength = min(max(part.strength * word.strength, WEAKEST), STRONGEST)
-            yield replace(part, cause=word.text, strength=strength, guess=bool(word.token.guess))
+        for part in meant.parsed.attributes:
+            if part.slot == "grade" or thing.kind != "tone":  # "a moody grade" means no light
+                strength = min(max(part.strength * word.strength, WEAKEST), STRONGEST)
+                found.append(replace(part, cause=word.text, strength=strength, guess=bool(token.guess)))
+    return found
 
 
 def _thing(read: PromptReading, pair: TargetPair) -> Attribute:
@@ -281,23 +216,13 @@ def _thing(read: PromptReading, pair: TargetPair) -> Attribute:
     if kind == "picture":  # the image, or what words of a slot are usually about
         if slot == "color":
             return _of("tone", name, "whole") if is_named else _of("ambience", "tint", "whole")
-        grade = pair.sense.way == "row" or (slot in ("mood", "setting") and _is_of_a_grade(read, pair))
-        about = "tone" if grade else _OF_SLOT.get(slot, "whole")
+        about = "tone" if pair.sense.way == "row" else _OF_SLOT.get(slot, "whole")
         return _of(about, word, "surroundings" if about == "surroundings" else "whole")
     region: Region = "surroundings" if kind == "sky" else "whole"
     apart = kind == "lights" and target.names != {*read.scene.lights}  # all lights are light as a whole
     lights = tuple(sorted(target.names)) if apart else ()
     role = kind if kind in ROLES else ""
     return replace(_of(_KINDS.get(kind, kind), name, region), role=role, lights=lights)
-
-
-def _is_of_a_grade(read: PromptReading, pair: TargetPair) -> bool:
-    """True if a mood is one of the grade alone: "gritty" of "gritty bleach bypass grade"."""
-    items, grades = read.pairs.passage.items, read.vocabulary.words["grades"]
-    clause = items[pair.look.index].clause
-    after = [item for item in items[pair.look.index :] if item.clause == clause]
-    head = next((i for i, item in enumerate(after) if item.text in grades), 0)
-    return head > 0 and all(item.names_a_look or item.filler for item in after[1:head])
 
 
 def _of(kind: str, thing: str, region: Region, owners: tuple[str, ...] = ()) -> Attribute:
@@ -323,12 +248,68 @@ def _matter(read: PromptReading, pair: TargetPair) -> Attribute:
     return _of(region, name, region, owners)
 
 
-def _unknown(read: PromptReading) -> Iterator[str]:
-    """Words that name nothing that is known, and are no look either."""
-    items, mentions = read.pairs.passage.items, read.pairs.mentions
-    bound = {pair.look.index for pair in read.chosen if pair.target.kind != "none"}
-    unknown = (m for m in mentions if m.noun == "unknown" and not m.named)
-    named = {m.text for m in mentions if m.named}
-    yield from (m.text for m in unknown if m.start not in bound and m.text != read.subject)
-    yield from (t.text for t in items if t.unsure and not t.scene and t.text not in named)
-    yield from (t.text for t in items if "count" in t.lists or t.text.isdigit())
+class AbsentObjects:
+    """Nouns of a prompt that name an object which its scene lacks.
+
+    A single one is the artist's name for the subject, if the subject is of one material and no other noun names it.
+    """
+
+    def __init__(self, found: PromptPairs, scene: SceneDescription, vocabulary: Vocabulary) -> None:
+        self._found, self._scene, self._vocabulary = found, scene, vocabulary
+        self._own = OwnNouns(found.passage, found.mentions, vocabulary)
+        subject = materials_of("subject", scene)
+        self._looks = {name: look for name, look in scene.looks.items() if name in subject and not is_detail(name)}
+        self._main = max(self._looks, key=lambda name: self._looks[name].share, default="")
+        self.subject = self._subject_name()  # the prompt's name for the subject, or ""
+
+    def noun_of(self, pair: TargetPair) -> str:
+        """The absent object that a look word describes; "" where it describes none."""
+        token = pair.look.token
+        slot = "color" if token.color else self._vocabulary.slot(token.entry) or pair.sense.slot
+        # "darker" of a thing is a color, though where no thing is said it would be of the whole image
+        sense = sense_at(token, "things", self._vocabulary) if pair.target.kind == "picture" else None
+        may_lack = self._scene.materials and (slot in SURFACE or (sense and sense.way == "row"))
+        own = self._own.of(pair.look.index) if may_lack else None
+        return own.text if own and own.text != self.subject and self._is_absent(own) else ""
+
+    def _is_absent(self, noun: NounMention) -> bool:
+        """True if a noun names an object, and none in the scene."""
+        words, seen = self._vocabulary.words, bool(self._scene.looks)
+        if noun.named or noun.noun == "unknown":
+            return not noun.named
+        if noun.noun == "surroundings":
+            shaped = any(noun.text in words[kind] for kind in STRUCTURES)
+            return shaped and seen and len(materials_of("surroundings", self._scene)) != 1
+        is_part = noun.noun == "subject" and noun.text not in words["whole"]
+        return is_part and seen and not self._is_of_one_color()
+
+    def _subject_name(self) -> str:
+        """The only absent object that the prompt describes, as its name for the subject; "" if the subject has a clear name."""
+        mentions, looks = self._found.mentions, self._found.passage.looks
+        places = {look.index for look in looks}  # "a dim workshop" is a look of the whole image
+        nouns = [n for look in looks if (n := self._own.of(look.index)) and n.start not in places]
+        names = {n.text for n in nouns if n.noun == "unknown" and self._is_absent(n)}
+        smaller = name_words("limbs") | name_words("details") | name_words("accessories")
+        # of bottle and "cap", the bottle is the subject, and a plural such as "wheels" never is
+        whole = {n for n in names if smaller.isdisjoint((n, singular(n)))}
+        names = whole or {n for n in names if not n.endswith("s")}
+        theirs = {name for m in mentions for n in m.named if n.kind == "things" for name in n.names}
+        named = any(m.noun == "subject" for m in mentions) or theirs & materials_of("subject", self._scene)
+        is_clear = len(names) == 1 and names.isdisjoint(self._vocabulary.words["scenery"]) and not named
+        return names.pop() if is_clear and self._is_of_one_color() and not self._has_a_name() else ""
+
+    def _has_a_name(self) -> bool:
+        """True if the largest part of the subject is called what it is, and not by a substance, a part or a shape."""
+        general = frozenset[str]().union(*map(name_words, ("primitives", "limbs", "details", "pipeline")))
+        wearers = (name for name, worn in self._scene.object_materials.items() if self._main in worn)
+        words = {word for name in (self._main, *wearers) for word in parts(name)}
+        senses = {word: thing_words().get(word, frozenset()) for word in words}  # in English, too
+        known = (word for word in words if senses[word] and not is_of_surfaces(word, self._vocabulary))
+        tells = any(general.isdisjoint({word} if word in senses[word] else senses[word]) for word in known)
+        return tells and len(self._scene.materials) > 1
+
+    def _is_of_one_color(self) -> bool:
+        """True if most of the visible subject has one color, or if no colors are known."""
+        main = self._looks.get(self._main, MaterialLook())
+        alike = (x.share for x in self._looks.values() if x is main or is_alike(x.color, main.color))
+        return not self._main or sum(alike) > _MAIN * sum(look.share for look in self._looks.values())

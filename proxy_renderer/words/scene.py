@@ -3,7 +3,7 @@
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -12,13 +12,12 @@ from ..schema import Values
 from ..schema.material_copies import copied
 from .lexer import Token
 from .lexicon.vocabulary import Vocabulary
-from .names import FITS, best, fit, is_detail, limbs, parts, plain_name
+from .names import FITS, best, fit, limbs, parts, plain_name
 from .passage import STRUCTURES
 from .types import GLOW, MaterialLook, SceneDescription
 
 REGIONS = {"surroundings": "surroundings", "subject": "subject", "unknown": "subject"}
 """Kind of a noun that names nothing in the scene -> the part of the image that it means."""
-_TYPES = {"SUN": "sun", "SPOT": "spot"}  # types of lights that people call by name
 _WORDS = 512  # words of prompts whose names are cached
 # Present looks
 _NEAR = 0.11  # OKLab distance, see `_distance`, within which a material has the color of a name
@@ -32,7 +31,6 @@ _PALER, _STRONGER = 0.5, 1.6
 _SEEN = 0.001  # least share of the image of a material that a noun can mean by its look
 _MAIN = 3.0  # times that a material must be larger than rivals of nearly its color
 _BY_LOOK = frozenset({"material exact", "by look"})
-_Found = tuple[Iterable[str], tuple[str, ...]]  # names, and the signs by which they were found
 
 
 @dataclass(frozen=True)
@@ -121,11 +119,8 @@ class SceneIndex:
             for name, its in self._parts.items()
         }
         self._worn_by_limbs = {name for worn in self._limbs.values() for name in worn}
-        self._found = lru_cache(_WORDS)(self._find)
-
-    def named(self, said: tuple[str, ...]) -> list[Named]:
-        """All that words of a prompt, as `parts` gives them, may name."""
-        return list(self._found(said))
+        # all that words of a prompt, as `parts` gives them, may name
+        self.named: Callable[[tuple[str, ...]], list[Named]] = lru_cache(_WORDS)(self._named)
 
     def objects(self, said: tuple[str, ...]) -> list[str]:
         """The objects whose names words fit best."""
@@ -144,12 +139,9 @@ class SceneIndex:
         worn = self.words.object_materials.get(part, ())
         return [m for m in worn if m not in looks or not own or any(is_alike(looks[m], each) for each in own)]
 
-    def _find(self, said: tuple[str, ...]) -> list[Named]:
+    def _named(self, said: tuple[str, ...]) -> list[Named]:
         found: dict[tuple[str, frozenset[str]], set[str]] = defaultdict(set)
-        shown = self._ways(said, self._objects)
-        each = [("things", *found) for found in self._of_things(said, shown)]
-        each += [("lights", *found) for found in self._of_lights(said, shown)]
-        for kind, names, signs in each:
+        for kind, names, signs in self._found(said):
             if every := frozenset(names):
                 found[kind, every] |= {*signs, *(("several",) if len(every) > 1 else ())}
         return [Named(kind, names, frozenset(signs)) for (kind, names), signs in found.items()]
@@ -159,53 +151,38 @@ class SceneIndex:
         ways = {its: fit(said, its, self._vocabulary) for its in {*names.values()}}
         return {name: ways[its] for name, its in names.items() if ways[its]}
 
-    def _of_things(self, said: tuple[str, ...], shown: dict[str, str]) -> Iterator[_Found]:
-        materials, groups = (self._ways(said, names) for names in (self._materials, self._groups))
-        for source, ways in (("material", materials), ("object", shown), ("group", groups)):
+    def _found(self, said: tuple[str, ...]) -> Iterator[tuple[str, Iterable[str], tuple[str, ...]]]:
+        """What words may name: its kind, the names of materials or lights, and the signs by which they were found."""
+        worn, groups = self.words.object_materials, self.words.groups
+        sources = {"material": self._materials, "object": self._objects, "group": self._groups}
+        for source, ways in ((source, self._ways(said, names)) for source, names in sources.items()):
             surest = best(ways.values())
             # "duck" does not mean the duck's head alone
             theirs = {part for o, way in ways.items() if way == surest for part in self._parts.get(o, ())}
             for way in dict.fromkeys(ways.values()):  # in an order that is the same in every process
                 chosen = [name for name, its in ways.items() if its == way and name not in theirs]
                 signs = (f"{source} {way}", *(() if way == surest else ("less sure",)))
-                yield from self._chosen(source, chosen, signs)
-
-    def _chosen(self, source: str, chosen: list[str], signs: tuple[str, ...]) -> Iterator[_Found]:
-        """The materials of what was chosen: all of them, without details, and the first one of each object."""
-        theirs = self.words.object_materials
-        if source == "material":  # and what the limbs of an object with the material's name wear
-            called = (o for m in chosen for o in theirs if plain_name(o) == plain_name(m) and m in theirs[o])
-            limbs = (limb for o in called for limb in self._limbs.get(o, ()))
-            yield from self._split([*chosen, *limbs], (*signs, "whole"))
-            return
-        groups = self.words.groups if source == "group" else {}
-        objects = [o for name in chosen for o in groups.get(name, (name,)) if theirs.get(o)]
-        worn = [m for o in objects for m in (*theirs[o], *self._limbs[o])]
-        signs = (*signs, "of one object") if len(objects) == 1 else signs
-        yield from self._split(worn, (*signs, "whole"))
-        yield [m for m in worn if not is_detail(m)], (*signs, "without details")
-        if self._worn_by_limbs.isdisjoint(worn):  # limbs look like their whole
-            yield [theirs[o][0] for o in objects], (*signs, "first")
-
-    def _split(self, names: list[str], signs: tuple[str, ...]) -> Iterator[_Found]:
-        """Some materials; then, if they are in both, those of the subject and those of the surroundings."""
-        yield names, signs
-        for region in dict.fromkeys(self.words.materials.get(n) for n in names):
-            mine = [n for n in names if self.words.materials.get(n) == region]
-            if len(mine) < len(names):
-                yield mine, (*signs, f"only {region}")
-
-    def _of_lights(self, said: tuple[str, ...], shown: dict[str, str]) -> Iterator[_Found]:
-        words, lamps = self.words, self._ways(said, self._lights)
-        if surest := best(lamps.values()):
-            yield [n for n, way in lamps.items() if way == surest], (f"light {surest}",)
-        types = {n: (_TYPES[x.type],) for n, x in words.lights.items() if x.type in _TYPES}
-        yield self._ways(said, types), ("light type",)
-        glows = self._ways(said, {n: self._materials[n] for n in words.glows})
-        yield [GLOW + n for n in glows], (f"glow {best(glows.values())}",)
-        lit = [n for n in words.glows if any(n in words.object_materials[o] for o in shown)]
-        yield [GLOW + n for n in lit], (f"glow on object {best(shown.values())}",)
-        yield [n for n, x in words.lights.items() if {*x.objects} & {*shown}], ("lights it",)
+                objects: list[str] = []
+                if source == "material":  # and what the limbs of an object with the material's name wear
+                    called = (o for m in chosen for o in worn if plain_name(o) == plain_name(m) and m in worn[o])
+                    every = [*chosen, *(limb for o in called for limb in self._limbs.get(o, ()))]
+                else:
+                    named = (o for name in chosen for o in (groups[name] if source == "group" else (name,)))
+                    objects = [o for o in named if worn.get(o)]
+                    every = [m for o in objects for m in (*worn[o], *self._limbs[o])]
+                    signs = (*signs, "of one object") if len(objects) == 1 else signs
+                yield "things", every, (*signs, "whole")
+                for region in dict.fromkeys(self.words.materials.get(m) for m in every):
+                    mine = [m for m in every if self.words.materials.get(m) == region]
+                    if len(mine) < len(every):
+                        yield "things", mine, (*signs, "whole", f"only {region}")
+                if objects and self._worn_by_limbs.isdisjoint(every):  # limbs look like their whole
+                    yield "things", [worn[o][0] for o in objects], (*signs, "first")
+        lamps = self._ways(said, self._lights)
+        surest = best(lamps.values())
+        yield "lights", [name for name, way in lamps.items() if way == surest], (f"light {surest}",)
+        glows = self._ways(said, {name: self._materials[name] for name in self.words.glows})
+        yield "lights", [GLOW + name for name in glows], (f"glow {best(glows.values())}",)
 
 
 class LookIndex:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Targets, which look words may describe in a scene; the sense of a word there ("gold" on a bowl is a metal); and the artist's choices."""
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ..schema import VibeError
@@ -19,8 +19,6 @@ ROLES = ("key", "fill", "rim")  # kinds of targets that are the lights of a role
 LAMPS = ("lights", *ROLES)  # kinds of targets that are some of the lights
 UNNAMED = ("subject", "surroundings", "light", "sky", "air", "picture", "none")
 """Kinds of targets that a prompt need not name."""
-TINGE = "tinge"  # kind of target of a word that only says which shade the color after it is: "fire red"
-NOWHERE = ("none", TINGE)  # kinds of targets that change nothing
 SURFACE = ("finish", "material", "color")  # slots of words about a surface
 _OF_NOUNS = {
     "surroundings": "surroundings", "sky": "sky", "light": "light", "fill": "fill", "rim": "rim", "fog": "air",
@@ -48,8 +46,7 @@ _TARGET_OF = {"light": "light", "fog": "air", "sky": "sky", "shadow": "shadow", 
 class Target:
     """Something that a look word may describe."""
 
-    # "things", "lights", "shadow", "highlight", one of the labels of `UNNAMED`, "others", "key", "fill", "rim" or
-    # `TINGE`
+    # "things", "lights", "shadow", "highlight", one of the labels of `UNNAMED`, "others", "key", "fill" or "rim"
     kind: str
     names: frozenset[str] = frozenset()  # of the materials or lights; empty where the kind says it all
     mention: int = -1  # number of the mention that names it; -1 if none does
@@ -76,7 +73,6 @@ class TargetPair:
     target: Target
     sense: Sense  # of the word there
     features: tuple[str, ...]  # facts about the two, each once, in order: sums are the same in every process
-    names_itself: bool = False  # the look word is in the noun that names the target: "sunlight"
     chosen: str = ""  # name of the target that the artist has chosen; "" where the reader has
 
 
@@ -95,28 +91,17 @@ def targets(mentions: list[NounMention], words: SceneDescription) -> list[Target
     for number, mention in enumerate(mentions):
         found += (Target(named.kind, named.names, number, named.signs) for named in mention.named)
         if kind := mention.role or _OF_NOUNS.get(mention.noun, ""):
-            theirs = frozenset(name for name, light in words.lights.items() if light.role == kind)
-            names = rest(mentions, words) if kind == "others" else theirs
+            lights = frozenset(name for name, light in words.lights.items() if light.role == kind)
+            names = rest(mentions, words) if kind == "others" else lights
             found.append(Target(kind, names, number, frozenset({f"noun {mention.noun}"})))
-        if not mention.excepted:
-            found += _without(number, mention, mentions, words)
+        # Materials of a noun without those of other nouns: "the hut red, its roof black"
+        others = [taken([m], words) for m in mentions if m.members == 1 and m is not mention]
+        for named in (n for n in mention.named if n.kind == "things" and not mention.excepted):
+            theirs = frozenset[str]().union(*(other for other in others if other < named.names))
+            if theirs and named.names - theirs:
+                signs = named.signs | {"without what else is named"}
+                found.append(Target("things", named.names - theirs, number, signs))
     return found
-
-
-def _without(
-    number: int, mention: NounMention, mentions: list[NounMention], words: SceneDescription
-) -> Iterator[Target]:
-    """Materials of a noun without those of other nouns: "the robot, not the cables", "the hut red, its roof black"."""
-    things = [(n.names, n.signs) for n in mention.named if n.kind == "things"]
-    excepted = taken((m for m in mentions if m.excepted), words)
-    for names, signs in things:
-        if names & excepted and names - excepted:
-            yield Target("things", names - excepted, number, signs | {"without what is spared"})
-    others = [taken([m], words) for m in mentions if m.members == 1 and m is not mention and not m.excepted]
-    for names, signs in things:
-        parts = frozenset().union(*(other for other in others if other < names))
-        if parts and names - parts:
-            yield Target("things", names - parts, number, signs | {"without what else is named"})
 
 
 def rest(
@@ -132,7 +117,7 @@ def rest(
 
 def sense_at(token: Token, kind: str, vocabulary: Vocabulary) -> Sense | None:
     """The sense of a word at a kind of target; None if the word cannot describe such a target."""
-    if kind in NOWHERE:
+    if kind == "none":
         return Sense("", "", "own")
     rows = vocabulary.adjectives.get(token.adjective, {})
     senses = [("row", rows.get(k, "")) for k in _KINDS[kind]] + [("own", token.entry)]
@@ -141,24 +126,14 @@ def sense_at(token: Token, kind: str, vocabulary: Vocabulary) -> Sense | None:
     if token.color:
         senses.append(("color", ""))
     senses.append(("otherwise", rows.get("otherwise", "")))
-    for way, entry in [*senses, *(("elsewhere", e) for e in _elsewhere(token, kind, vocabulary))]:
+    elsewhere = [vocabulary.elsewhere.get(k, {}) for k in _KINDS[kind]]  # "a calm lamp"
+    senses += [("elsewhere", row.get(word, "")) for word in (token.adjective, token.entry) for row in elsewhere]
+    for way, entry in senses:
         if way == "color":
             return Sense("", "color", way)
-        blooms = way == "row" and kind == "light" and entry == rows.get(kind)  # "a glowing light"
-        if entry and (blooms or _describes(entry, kind, vocabulary)):
+        if entry and _describes(entry, kind, vocabulary):
             return Sense(entry, vocabulary.entries[entry].slot, way)
     return None
-
-
-def _elsewhere(token: Token, kind: str, vocabulary: Vocabulary) -> Iterator[str]:
-    """Entries for a word at a kind of target that its own entry does not describe; for a mood, by the parts of its meaning."""
-    rows = [vocabulary.elsewhere.get(k, {}) for k in _KINDS[kind]]
-    said = [token.adjective, token.entry]
-    for part in vocabulary.entries[token.entry].means.split(", ") if token.entry else ():
-        words = part.split()  # without how strongly: "slightly dim light" as "dim light"
-        ends = (" ".join(words[start:]) for start in range(len(words)))
-        said.append(next((vocabulary.synonyms[end] for end in ends if end in vocabulary.synonyms), ""))
-    yield from (row[word] for word in said for row in rows if word in row)
 
 
 def _describes(entry: str, kind: str, vocabulary: Vocabulary) -> bool:
@@ -181,25 +156,21 @@ def target_name(target: Target, scene: SceneDescription) -> str:
 
 def described_name(attribute: Attribute, scene: SceneDescription) -> str:
     """The name of what an attribute describes."""
-    names = _joined_names(attribute.lights, scene, is_matter=False) if attribute.lights else ""
-    names = names or (_joined_names(attribute.owners, scene, is_matter=True) if attribute.owners else "")
+    names = _joined_names(attribute.lights, scene, is_matter=False)
+    names = names or _joined_names(attribute.owners, scene, is_matter=True)
     region = attribute.region if attribute.region in ("subject", "surroundings") else "picture"
     kind = attribute.role or _TARGET_OF.get(attribute.kind) or region
     return names or NAME_OF.get(kind, "lights" if attribute.role else "image")
 
 
-def _glow_name(material: str) -> str:
-    return f"glow of {material}"
-
-
 def _joined_names(names: Collection[str], scene: SceneDescription, is_matter: bool) -> str:
-    """Several names as one; "" if they are too many.
+    """Several names as one; "" if they are none or too many.
 
     Materials are called by the objects that wear no others, if these objects wear all of the materials.
     """
     if not is_matter:
         found = [name for name in scene.lights if name in names]
-        found += [_glow_name(name) for name in scene.glows if GLOW + name in names]
+        found += [f"glow of {name}" for name in scene.glows if GLOW + name in names]
     else:
         objects = [o for o, worn in scene.object_materials.items() if worn and {*worn} <= {*names}]
         worn = {m for o in objects for m in scene.object_materials[o]}
@@ -238,24 +209,22 @@ def with_choices(
     used, found = set[str](), list[TargetPair]()
     for number, pair in enumerate(row):
         same = sum(other.look.text == pair.look.text for other in row[: number + 1])
-        said = {pair.look.text, pair.look.token.text}
-        if key := next((key for key in choices if _means(key, said, same, english)), ""):
+        for key in choices:
+            word = plain_key(key)
+            translated = normalize(english.get(word, ""))
+            called = {normalize(word), translated, *translated.split()}
+            numbered = key in (word, f"{word}{NUMBER}{same}")
+            if not numbered or called.isdisjoint((pair.look.text, pair.look.token.text)):
+                continue
             sense = sense_at(pair.look.token, targets[key].kind, vocabulary)
             if sense is None:
-                problem = f"'{plain_key(key)}' can say nothing of {choices[key]!r}."
+                problem = f"'{word}' can say nothing of {choices[key]!r}."
                 raise VibeError(problem, "Choose another target, or 'not used'.")
             used.add(key)
             pair = TargetPair(pair.look, targets[key], sense, (), chosen=choices[key])
+            break
         found.append(pair)
     return found, [plain_key(key) for key in choices if key not in used]
-
-
-def _means(key: str, said: set[str], number: int, english: Mapping[str, str]) -> bool:
-    """True if a key means a look word with the wordings `said`; a number in the key has to be `number`."""
-    word = plain_key(key)
-    translated = normalize(english.get(word, ""))
-    called = {normalize(word), translated, *translated.split()}
-    return not said.isdisjoint(called) and key in (word, f"{word}{NUMBER}{number}")
 
 
 def _target(word: str, name: str, scene: SceneDescription) -> Target:
@@ -281,7 +250,7 @@ def _named(name: str, scene: SceneDescription) -> Target | None:
     """
     lower = name.casefold()
     own = {each: Target("lights", frozenset({each})) for each in scene.lights}
-    own |= {_glow_name(each): Target("lights", frozenset({GLOW + each})) for each in scene.glows}
+    own |= {f"glow of {each}": Target("lights", frozenset({GLOW + each})) for each in scene.glows}
     own |= {each: Target("things", frozenset({each})) for each in scene.materials}
     own |= {each: Target("things", frozenset(worn)) for each, worn in scene.object_materials.items()}
     kind = "" if name in own else GENERAL.get(lower, "")

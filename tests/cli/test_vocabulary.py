@@ -4,7 +4,7 @@
 import pytest
 
 from proxy_renderer.cli.main import main
-from proxy_renderer.words.lexicon.user_words import VARIABLE
+from proxy_renderer.words.lexicon.vocabulary import VARIABLE
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from proxy_renderer.goals.written import as_json, from_json
 from proxy_renderer.rigs.chosen import chosen_rig
 from proxy_renderer.schema import VibeError
 from proxy_renderer.words.lexicon.rigs import rig_table
-from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.lexicon.vocabulary import default_vocabulary
 from proxy_renderer.words.parser import Understood
 from proxy_renderer.words.types import SceneDescription
 

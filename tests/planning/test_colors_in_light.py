@@ -10,7 +10,7 @@ from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.planning.light_levels import kelvin_color
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.schema import FAMILIES, Instance
-from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.lexicon.vocabulary import default_vocabulary
 from proxy_renderer.words.parser import Understood, parse
 from proxy_renderer.words.types import PictureStats, SceneDescription
 

@@ -6,7 +6,7 @@ import pytest
 from proxy_renderer.planning.owners import Owners
 from proxy_renderer.schema import FAMILIES, Instance
 from proxy_renderer.schema.radiometry import unit_energy
-from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.lexicon.vocabulary import default_vocabulary
 from proxy_renderer.words.parser import parse
 from proxy_renderer.words.types import LightDescription, SceneDescription
 

@@ -11,7 +11,7 @@ from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.rigs.chosen import chosen_rig
 from proxy_renderer.rigs.combined import at_an_hour, in_a_mood, in_a_style, with_source
 from proxy_renderer.words.lexicon.rigs import Rig, rig_table
-from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.lexicon.vocabulary import default_vocabulary
 from proxy_renderer.words.parser import parse
 from proxy_renderer.words.types import SceneDescription
 

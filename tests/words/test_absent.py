@@ -28,7 +28,6 @@ def said(prompt, scene):
         ("white vase, black tie", {"white"}, "tie"),
         ("red door, yellow lemons", {"yellow"}, "door"),
         ("warm light, copper kettle, glossy vase", {"warm light", "glossy"}, "kettle"),
-        ("screens lit pale green, glossy vase", {"glossy"}, "screens"),
         ("strap darker, glossy vase", {"glossy"}, "strap"),
     ],
 )

@@ -42,15 +42,6 @@ def test_words_have_senses_elsewhere(word, kind, entry):
 
 
 @pytest.mark.parametrize(
-    ("mood", "kind", "entry"),
-    [("gloomy", "lights", "weaker lamp"), ("heroic", "sky", "charged sky"), ("thriller", "things", "darker surface")],
-)
-def test_a_mood_is_what_a_part_of_its_meaning_is_there(mood, kind, entry):
-    assert mood not in VOCABULARY.elsewhere.get(kind, {})
-    assert sense(mood, kind) == entry
-
-
-@pytest.mark.parametrize(
     ("word", "kind", "entry"),
     [
         ("warm", "lights", "warm light"),

@@ -9,7 +9,6 @@ from dataclasses import replace
 import pytest
 
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.words.model import likeliest_row, reading
 from proxy_renderer.words.names import fit, parts
 from proxy_renderer.words.parser import parse, why
 from proxy_renderer.words.reader import read_words
@@ -103,28 +102,11 @@ def test_names_fit(said, name, way):
     assert fit(parts(said), parts(name), shipped_vocabulary()) == way
 
 
-@pytest.mark.parametrize(("weight", "things"), [(-3.0, 2), (3.0, 1)])
-def test_what_links_two_words_decides_between_targets_that_are_alike(weight, things):
-    read = reading("red blue car with crate", GARAGE, shipped_vocabulary())
-    weights = {"a color word of things": 5.0, "link side by side: same, color and color": weight}
-    assert len({pair.target.names for pair in likeliest_row(read, weights)}) == things
-
-
 BALLS = SceneDescription(
     objects=dict.fromkeys(("Sphere", "Sphere.001", "Sphere.002"), "subject"),
     materials=dict.fromkeys(("One", "Two", "Three"), "subject"),
     object_materials={"Sphere": ("One",), "Sphere.001": ("Two",), "Sphere.002": ("Three",)},
 )
-
-
-def test_one_of_several_alike_things_is_told_by_its_number():
-    (red,) = parse("Sphere.002 red", BALLS, shipped_vocabulary()).attributes
-    assert red.owners == ("Three",)
-
-
-def test_a_word_may_only_say_the_shade_of_the_color_after_it():
-    (pairs, _) = reading("fire red crate", GARAGE, shipped_vocabulary()).pairs
-    assert "tinge" in {pair.target.kind for pair in pairs}
 
 
 def test_why_names_targets_scores_and_facts():
@@ -161,14 +143,6 @@ def test_light_is_any_light_though_one_is_called_so() -> None:
         assert warm.lights == ()
 
 
-def test_a_light_is_told_by_its_number() -> None:
-    called = {name: LightDescription("AREA", "fill", 0.0) for name in ("Area", "Area.001", "Light", "Light.002")}
-    scene = replace(GARAGE, lights=called)
-    for prompt, name in (("Area.001 blue", "Area.001"), ("Light.002 blue", "Light.002")):
-        (blue,) = (a for a in parse(prompt, scene).attributes if a.word == "blue")
-        assert blue.lights == (name,)
-
-
 def test_one_light_is_no_headlight() -> None:
     headlights = replace(
         GARAGE,
@@ -177,22 +151,6 @@ def test_one_light_is_no_headlight() -> None:
         object_materials={**GARAGE.object_materials, "Headlights": ("LampGlass",)},
     )
     assert {a.kind for a in parse("soft warm light", headlights).attributes} == {"light"}
-
-
-def test_what_is_said_of_lamps_is_said_of_the_light_of_what_glows() -> None:
-    scene = SceneDescription(
-        objects={"Bench": "subject", "Globe": "surroundings"},
-        materials={"Wood": "subject", "Milk": "surroundings"},
-        object_materials={"Bench": ("Wood",), "Globe": ("Milk",)},
-        glows=("Milk",),
-    )
-    for prompt in ("globes much brighter", "the globe warmer", "warm globe"):
-        (said,) = parse(prompt, scene).attributes
-        assert said.of_glows, prompt
-    (said,) = parse("glossy globe", scene).attributes
-    assert said.owners == ("Milk",)
-    (said,) = parse("bench much brighter", scene).attributes
-    assert not said.of_glows
 
 
 def test_a_rim_is_of_light_though_glasses_have_rims() -> None:

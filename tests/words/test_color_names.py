@@ -11,7 +11,7 @@ import pytest
 from lab.bench.sealed.prompts import survey_colors
 from proxy_renderer.color.floats import oklab_from_srgb, srgb_from_hex
 from proxy_renderer.schema import Values
-from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.lexicon.vocabulary import default_vocabulary
 from proxy_renderer.words.parser import Understood, parse
 from proxy_renderer.words.types import SceneDescription
 

@@ -3,7 +3,7 @@
 
 import pytest
 
-from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.lexicon.vocabulary import default_vocabulary
 from proxy_renderer.words.parser import parse
 from proxy_renderer.words.types import SceneDescription
 

@@ -22,8 +22,7 @@ from proxy_renderer.words.lexer import Lexer
 from proxy_renderer.words.lexicon.entries import COLOR_MODES, parse_effect
 from proxy_renderer.words.lexicon.quantities import COLORS, quantities
 from proxy_renderer.words.lexicon.rigs import rig_table
-from proxy_renderer.words.lexicon.user_words import default_vocabulary
-from proxy_renderer.words.lexicon.vocabulary import load
+from proxy_renderer.words.lexicon.vocabulary import default_vocabulary, load
 from proxy_renderer.words.parser import parse
 from proxy_renderer.words.types import PictureStats, SceneDescription
 

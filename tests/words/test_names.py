@@ -8,8 +8,7 @@ from proxy_renderer.planning.planner import plan
 from proxy_renderer.schema import FAMILIES, Instance
 from proxy_renderer.words import names as fitted
 from proxy_renderer.words.lexicon.languages import senses
-from proxy_renderer.words.lexicon.user_words import extend
-from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
+from proxy_renderer.words.lexicon.vocabulary import extend, shipped_vocabulary
 from proxy_renderer.words.model import reading
 from proxy_renderer.words.names import fit, is_detail, is_of_surfaces, kind_of, plain_name
 from proxy_renderer.words.parser import parse
@@ -83,9 +82,6 @@ def test_names_that_say_nothing_are_kinds_of_their_own():
     ("prompt", "moods"),
     [
         ("a gold castle in the mist", {"gold", "mist"}),
-        ("yellow ghost", {"yellow"}),
-        ("the candle is red", {"red"}),
-        ("castle look, gold", {"gold"}),
         ("lit by a candle, gold", {"candlelight", "gold"}),
         ("castle", {"medieval"}),
     ],
@@ -114,12 +110,7 @@ def test_keys_and_values_are_read_as_a_sentence(prompt, entries):
 
 
 @pytest.mark.parametrize(
-    ("prompt", "kind"),
-    [
-        ("cottage in a snowstorm at dusk, cold blue", "light"),
-        ("cottage, cold blue", "subject"),
-        ("cup, warm light, pale blue", "subject"),
-    ],
+    ("prompt", "kind"), [("cottage, cold blue", "subject"), ("cup, warm light, pale blue", "subject")]
 )
 def test_a_color_after_light_or_air_is_theirs_if_light_can_have_it(prompt, kind):
     assert {a.kind for a in parse(prompt, SceneDescription()).attributes if a.color} == {kind}
@@ -175,11 +166,10 @@ def test_a_walled_garden_is_no_wall():
     [
         ("oak shelves", ("Board",)),  # a plural that no ending tells
         ("black bathtub", ("Enamel",)),  # its noun is not the last word of its name
-        ("brass trim", ("Trim",)),  # to trim is a wish where nothing is called so
     ],
 )
 def test_names_are_found_by_their_nouns(prompt: str, owners: tuple[str, ...]) -> None:
-    things = {"Shelf_mdf": "Board", "bathtub_freestanding": "Enamel", "Door_Trim": "Trim"}
+    things = {"Shelf_mdf": "Board", "bathtub_freestanding": "Enamel"}
     found = {o for a in parse(prompt, scene(things)).attributes for o in a.owners}
     assert found == set(owners)
 
@@ -227,11 +217,6 @@ def test_of_several_of_a_shape_none_is_guessed_and_names_come_first():
 def test_what_is_in_focus_is_not_painted(focus: str) -> None:
     parsed = parse(f"warm light, {focus} the red cup in front", scene({"Cup": "Clay", "Wall": "Plaster"}))
     assert [a.entry for a in parsed.attributes] == ["warm light"]
-
-
-def test_a_thing_that_is_called_focus_is_painted() -> None:
-    parsed = parse("make the focus red, warm light", scene({"Focus": "Plastic", "Wall": "Plaster"}))
-    assert ("red", ("Plastic",)) in [(a.entry, a.owners) for a in parsed.attributes]
 
 
 @pytest.mark.parametrize("prompt", ["blue light from the right", "red light to the left"])

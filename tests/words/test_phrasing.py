@@ -41,17 +41,6 @@ MEANT = [
     ("sleek white product shot", {"studio light": ("light",), "glossy": ("subject",), "white": ("subject",)}),
     ("red cup, bright product shot", {"red": ("Cup",), "bright light": ("light",), "studio light": ("light",)}),
     ("the wall dark teal in warm light", {"dark teal": ("Wall",), "warm light": ("light",)}),
-    ("a cup in a dark garage", {"dark surroundings": ("surroundings",), "industrial": ("whole",)}),
-    (
-        "a lantern glowing orange in a deep blue night",
-        {
-            "lantern light": ("light",),
-            "bloom": ("light",),
-            "orange": ("light",),
-            "deep blue": ("sky",),
-            "night": ("light",),
-        },
-    ),
     ("a toxic green glow from below", {"toxic green": ("light",), "under light": ("light",)}),
     ("a faint purple glow", {"purple": ("light",)}),
     ("a strong light behind the cup", {"strong light": ("light",), "back light": ("light",)}),

@@ -14,9 +14,8 @@ from proxy_renderer.planning.advice import compose
 from proxy_renderer.planning.planner import plan
 from proxy_renderer.schema import VibeError
 from proxy_renderer.words.lexicon.entries import normalize
-from proxy_renderer.words.lexicon.user_words import VARIABLE, default_vocabulary, extend
-from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.words.lexicon.word_table import Nearest
+from proxy_renderer.words.lexicon.languages import Nearest
+from proxy_renderer.words.lexicon.vocabulary import VARIABLE, default_vocabulary, extend, shipped_vocabulary
 from proxy_renderer.words.parser import parse
 from proxy_renderer.words.types import SceneDescription
 
@@ -170,7 +169,7 @@ def test_own_words_are_understood(own):
 
 def test_own_words_from_the_configuration_folder(tmp_path, monkeypatch):
     monkeypatch.delenv(VARIABLE, raising=False)
-    monkeypatch.setattr("proxy_renderer.words.lexicon.user_words.config_folder", lambda: tmp_path)
+    monkeypatch.setattr("proxy_renderer.words.lexicon.vocabulary.config_folder", lambda: tmp_path)
     assert default_vocabulary() is shipped_vocabulary()
     (tmp_path / "vocabulary.toml").write_text(OWN, "utf-8")
     assert "brand red" in default_vocabulary().entries

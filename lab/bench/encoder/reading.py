@@ -38,8 +38,8 @@ from proxy_renderer.guidance.encoder import Encoder, load_encoder
 from proxy_renderer.planning.advice import compose
 from proxy_renderer.schema import VibeError, atomic
 from proxy_renderer.words.lexicon.entries import normalize
+from proxy_renderer.words.lexicon.languages import Nearest
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
-from proxy_renderer.words.lexicon.word_table import Nearest
 from proxy_renderer.words.parser import parse
 from proxy_renderer.words.types import SceneDescription
 

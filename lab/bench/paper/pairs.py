@@ -12,7 +12,7 @@ from pathlib import Path
 from lab.bench.paper.measures import SAYS
 from proxy_renderer.color.floats import chroma, lab_from_srgb, srgb_from_hex
 from proxy_renderer.schema import VibeError
-from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.lexicon.vocabulary import default_vocabulary
 
 WIDER = "wider"
 COMPARED = ("benchmark", WIDER)

@@ -17,7 +17,7 @@ from lab.bench.sealed.rules import rule
 from lab.bench.wild import product
 from lab.methods import OURS, Variation
 from proxy_renderer.schema import atomic
-from proxy_renderer.words.lexicon.user_words import default_vocabulary
+from proxy_renderer.words.lexicon.vocabulary import default_vocabulary
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from lab.train.sentences.labels import ROLES, LabeledScene, LabeledSentence, Lab
 from proxy_renderer.words.lexicon.entries import normalize
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.words.names import is_detail
-from proxy_renderer.words.targets import MATTER, TINGE, PromptPairs, TargetPair
+from proxy_renderer.words.targets import MATTER, PromptPairs, TargetPair
 from proxy_renderer.words.types import GLOW
 
 _WORD = re.compile(r"\d+|[^\W\d_]+(?:['’][a-z]+)?")  # "2900K" is read as "2900 kelvin"
@@ -39,11 +39,9 @@ def right_pairs(sentence: LabeledSentence, read: PromptPairs) -> list[list[bool]
         label = next((w for w in sentence.words if _covers(w, places.get(look.index))), None)
         wanted = label.targets if label else (LabelTarget("none"),)
         right = [any(is_right(pair, target, sentence.scene) for target in wanted) for pair in pairs]
-        following = read.passage.tinged(look)
-        if label and following and _covers(label, places.get(following.index)):  # one word to the artist: "fire red"
-            right = [r or pair.target.kind == TINGE for r, pair in zip(right, pairs, strict=True)]
         if not label:
-            right = _unlabeled(right, pairs, sentence, _names_a_thing(look.index, read))
+            itself = {number for number, noun in enumerate(read.mentions) if noun.covers(look.index)}
+            right = _unlabeled(right, pairs, sentence, _names_a_thing(look.index, read), itself)
         found.append(right)
     return found
 
@@ -54,8 +52,12 @@ def _names_a_thing(index: int, read: PromptPairs) -> bool:
     return any(each.kind == "things" for each in named)
 
 
-def _unlabeled(right: list[bool], pairs: list[TargetPair], sentence: LabeledSentence, a_thing: bool) -> list[bool]:
+def _unlabeled(
+    right: list[bool], pairs: list[TargetPair], sentence: LabeledSentence, a_thing: bool, itself: set[int]
+) -> list[bool]:
     """The right target of a word that needs no label: it says where a light comes from, or only names what it is ("sunlight").
+
+    `itself` are the numbers of the nouns that the word is in.
 
     A word that names a thing of the scene is no setting besides: "lake" of "lake emerald" where there is a lake. Other
     settings may have been no look word yet when the sentence was labeled: neither reading of them is wrong.
@@ -67,7 +69,7 @@ def _unlabeled(right: list[bool], pairs: list[TargetPair], sentence: LabeledSent
         rightly = (any(is_right(pair, t, sentence.scene) for t in wanted) for pair in pairs)
         return [both == (True, True) for both in zip(directs, rightly, strict=True)]
     may_be = [kind for kind in _NAMED if not (a_thing and kind == "surroundings")]
-    themselves = [pair.names_itself and pair.target.kind in may_be for pair in pairs]
+    themselves = [pair.target.mention in itself and pair.target.kind in may_be for pair in pairs]
     known = any(t and pair.target.names for t, pair in zip(themselves, pairs, strict=True))
     if any(themselves):
         return [t or (known and r) for t, r in zip(themselves, right, strict=True)]

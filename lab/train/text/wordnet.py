@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from proxy_renderer.words.lexicon.entries import normalize
-from proxy_renderer.words.lexicon.word_table import KINDS
+from proxy_renderer.words.lexicon.languages import KINDS
 
 SENSES = 3
 """Of a word, the most frequent ones are looked at."""

@@ -30,8 +30,8 @@ import numpy as np
 
 from lab.train.text.minilm import MiniLM
 from lab.train.text.wordnet import SENSES, WordNet, candidates, read_wordnet
+from proxy_renderer.words.lexicon.languages import FILE
 from proxy_renderer.words.lexicon.vocabulary import Vocabulary, shipped_vocabulary
-from proxy_renderer.words.lexicon.word_table import FILE
 
 DIMENSIONS = 96
 LICENSE = "Derived from WordNet 3.1 (c) Princeton University, all-MiniLM-L6-v2 (Apache-2.0) and GloVe (PDDL)"

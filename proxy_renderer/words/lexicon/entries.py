@@ -4,6 +4,7 @@
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from operator import gt
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +20,8 @@ OWNERS = {
 """Owner that an effect may name -> schema group."""
 RANGE_MODES = ("", "times", "plus", "near", "shade", "camera", "sides", "lightness", "share")
 SLOTS = tuple(MEANS)
-_TEXT: tuple[type, str] = (str, 'Write text in quotes: "...".')
-_LIST: tuple[type, str] = (list, 'Write a list: ["contrast is high", "film/contrast 1.1..1.3 !2"].')
-_ROWS = {
-    "slot": _TEXT, "words": _TEXT, "wishes": _LIST, "means": _TEXT, "phrase": _TEXT, "opposite": _TEXT, "never": _LIST,
-}  # fmt: skip
+_LISTS = ("wishes", "never")  # rows of an entry that are lists; the others are text
+_ROWS = ("slot", "words", "means", "phrase", "opposite", *_LISTS)
 COLOR_MODES = ("color", "gel", "albedo", "shown", "cast")
 _COLOR = re.compile(r"@|own|#[0-9a-fA-F]{6}")
 _CLASS = re.compile(r"(?P<quantity>[a-z_]+) is (?P<named>[a-z_]+)")
@@ -126,10 +124,12 @@ def at_line(path: Path | str, text: str, problem: str, remedy: str, *quotes: str
 def parse_effect(text: str) -> Effect:
     """Reads "material/roughness 0.03..0.15 ? !2". Raises VibeError if it has another form, or does not fit the schema."""
     match = _EFFECT.fullmatch(text.strip())
+    form = _wrong(f"'{text}' is not an effect", "Write 'OWNER/PARAMETER [MODE] LOWER..UPPER'.")
     if not match or match["owner"] not in OWNERS:
-        raise _wrong(f"'{text}' is not an effect", "Write 'OWNER/PARAMETER [MODE] LOWER..UPPER'.")
+        raise form
     mode, color = match["mode"] or "", ""
-    ends: tuple[Values, Values] = ((), ())
+    low: Values = ()
+    high: Values = ()
     parameter = FAMILIES.get(f"{OWNERS[match['owner']]}/{match['name']}")
     if parameter is None:
         raise _wrong(f"'{text}' names no parameter", "See schema/parameters.py for those that exist.")
@@ -138,25 +138,20 @@ def parse_effect(text: str) -> Effect:
             raise _wrong(f"'{text}' has no color", 'Write "#rrggbb", "@" or "own" at its end.')
         color = match["args"]
     else:
-        ends = _ends(text, match["args"])
-    if remedy := _misfit(parameter, mode, *ends):
+        try:
+            low, high = (tuple(float(v) for v in side.split(",")) for side in match["args"].split(".."))
+        except ValueError:
+            raise form from None
+        if len(low) != len(high) or any(map(gt, low, high)):
+            raise _wrong(f"'{text}' has a lower bound above the upper one", "Swap them.")
+    if remedy := _misfit(parameter, mode, low, high):
         raise _wrong(f"'{text}' does not fit its parameter", remedy)
     weak, priority = bool(match["weak"]), int(match["priority"] or 4)
-    return Effect(match["owner"], match["name"], mode, *ends, color, weak, priority)
+    return Effect(match["owner"], match["name"], mode, low, high, color, weak, priority)
 
 
 def _wrong(problem: str, remedy: str) -> VibeError:
     return VibeError(f"Vocabulary: {problem}.", remedy)
-
-
-def _ends(text: str, numbers: str) -> tuple[Values, Values]:
-    try:
-        low, high = (tuple(float(v) for v in side.split(",")) for side in numbers.split(".."))
-    except ValueError:
-        raise _wrong(f"'{text}' is not an effect", "Write 'OWNER/PARAMETER [MODE] LOWER..UPPER'.") from None
-    if len(low) != len(high) or any(a > b for a, b in zip(low, high, strict=True)):
-        raise _wrong(f"'{text}' has a lower bound above the upper one", "Swap them.")
-    return low, high
 
 
 def _misfit(parameter: Parameter, mode: str, lower: Values, upper: Values) -> str:
@@ -181,11 +176,12 @@ def _misfit(parameter: Parameter, mode: str, lower: Values, upper: Values) -> st
 def read_entry(name: str, row: dict[str, Any]) -> VocabularyEntry:
     """One [look.NAME] table. Raises VibeError if a row is missing, unknown, of the wrong type, or does not fit the schema."""
     for key, value in row.items():
-        kind, remedy = _ROWS.get(key, (None, f"Use some of: {', '.join(_ROWS)}."))
-        if kind is None:
-            raise _wrong(f"'{key}' is no row of an entry", remedy)
-        parts = value if isinstance(value, list) else []
-        if not isinstance(value, kind) or not all(isinstance(v, str) for v in parts):
+        if key not in _ROWS:
+            raise _wrong(f"'{key}' is no row of an entry", f"Use some of: {', '.join(_ROWS)}.")
+        texts = value if key in _LISTS and isinstance(value, list) else [value]
+        if isinstance(value, list) != (key in _LISTS) or not all(isinstance(text, str) for text in texts):
+            lists = 'Write a list: ["contrast is high", "film/contrast 1.1..1.3 !2"].'
+            remedy = lists if key in _LISTS else 'Write text in quotes: "...".'
             raise _wrong(f"'{key}' of '{name}' has the wrong type", remedy)
     slot = row.get("slot")
     if slot not in SLOTS:

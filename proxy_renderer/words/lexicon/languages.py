@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Spelling, names of things in all languages (things.toml), and the lexicons of languages; the head of german.toml explains the format."""
+"""Words beyond the vocabulary: spelling, lexicons of languages, names of things (things.toml), and English words as vectors.
+
+The head of german.toml explains the lexicons; `lab/train/text/words.py` makes the vectors (words.safetensors).
+"""
+
+from __future__ import annotations
 
 import re
 import tomllib
@@ -10,11 +15,19 @@ from dataclasses import dataclass
 from functools import cache, cached_property, lru_cache
 from itertools import product
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from .entries import normalize
-from .vocabulary import shipped_vocabulary
-from .word_table import table
+from .vocabulary import Vocabulary, hour_phrases, shipped_vocabulary
 
+if TYPE_CHECKING:
+    import numpy as np
+
+FILE = Path(__file__).with_name("words.safetensors")
+KINDS = ("known", "adjective", "noun")
+"""Kinds of words of the table: known look words, adjectives that may be look words, and nouns that may be substances."""
+_SHORTEST_STEM = 4  # characters of a stem
+_MAY_BE = 0.56  # least cosine with a known look word, for a word that may be a look word
 _LETTERS = str.maketrans({"ß": "ss", "ł": "l", "ø": "o", "đ": "d", "æ": "ae", "œ": "oe"})
 """Letters that do not consist of a plain letter and an accent -> the plain letters that stand for them."""
 _EAST_ASIAN = ("\u2e80", "\uf900")  # the first character of those scripts, and the one after their last
@@ -43,15 +56,12 @@ def name_words(kind: str) -> frozenset[str]:
     return frozenset(rows[kind].split())
 
 
-@cache
-def _plurals() -> dict[str, str]:
-    return dict(pair.split("/") for pair in name_words("plurals"))
-
-
+@lru_cache(_CACHED)
 def singular(word: str) -> str:
     """A word without the ending of an English plural."""
-    if word in _plurals():
-        return _plurals()[word]
+    irregular = dict(pair.split("/") for pair in name_words("plurals"))
+    if word in irregular:
+        return irregular[word]
     if word.endswith("ies") and len(word) > 4:
         return word[:-3] + "y"
     if word.endswith(_SIBILANTS):
@@ -133,7 +143,7 @@ def senses(word: str) -> frozenset[str]:
     rows, plain = thing_words(), singular(folded(word))
     found = rows.get(plain, frozenset())
     if not found and not word.isascii():
-        found = frozenset().union(*(rows[part] for part in _spaceless() if part in plain))
+        found = frozenset().union(*(names for part, names in rows.items() if not part.isascii() and part in plain))
     if not found and not table().is_english(plain.rpartition(" ")[2]):  # "black" does not end in "Lack"
         ends = (plain[start:] for start in range(len(plain) - _SHORTEST + 1))
         found = next((rows[end] for end in ends if end in rows), found)
@@ -157,7 +167,105 @@ def thing_words() -> dict[str, frozenset[str]]:
     return {word: frozenset(names) for word, names in rows.items()}
 
 
+# English words as vectors
+
+
+@dataclass(frozen=True)
+class WordTable:
+    """Vectors of words that are or may be look words, and a list of other English words."""
+
+    index: dict[str, int]  # word -> row
+    stems: dict[str, int]  # stem -> row; known look words come first
+    vectors: np.ndarray  # (N, D) unit vectors
+    kinds: np.ndarray  # (N,) indices into KINDS
+    common: frozenset[str]  # frequent English words that say nothing about looks
+
+    def is_english(self, word: str) -> bool:
+        """True if the table has a word, or its singular."""
+        return any(w in self.common or w in self.index for w in (word, word.removesuffix("s")))
+
+    def find(self, word: str) -> int | None:
+        """The row of a word, or of one with the same stem: "soaking" is found as "soaked"."""
+        if word in self.index:
+            return self.index[word]
+        short = stem(word)
+        row = self.stems.get(short)
+        # An English word of its own meaning ("robot") is not found by its stem; a derived one ("soaking") may be.
+        taken = row is not None and self.is_english(word) and (word == short or self.kinds[row] > 0)
+        return None if taken else row
+
+    def vector(self, phrase: str) -> np.ndarray | None:
+        """Unit vector of a word or phrase; the mean of its words where the phrase as a whole has none."""
+        import numpy as np
+
+        if phrase in self.index:
+            return self.vectors[self.index[phrase]]
+        rows = [row for word in phrase.split() if (row := self.find(word)) is not None]
+        if not rows:
+            return None
+        mean = self.vectors[rows].mean(0)
+        return mean / max(float(np.linalg.norm(mean)), 1e-9)
+
+
 @cache
-def _spaceless() -> tuple[str, ...]:
-    """Words that a name without spaces may contain, the longest first."""
-    return tuple(sorted((word for word in thing_words() if not word.isascii()), key=len, reverse=True))
+def table() -> WordTable:
+    """The table that is shipped."""
+    import numpy as np
+    from safetensors import safe_open
+
+    with safe_open(FILE, framework="numpy") as file:
+        words, common = (file.metadata()[name].split("\n") for name in ("words", "common"))
+        raw, kinds = file.get_tensor("vectors").astype(np.float32), file.get_tensor("kinds")
+    vectors = raw / np.maximum(np.linalg.norm(raw, axis=1, keepdims=True), 1e-9)
+    stems: dict[str, int] = {}
+    for i in np.argsort(kinds, kind="stable"):
+        if " " not in words[i]:
+            stems.setdefault(stem(words[i]), int(i))
+    index = {word: i for i, word in enumerate(words)}
+    return WordTable(index, stems, vectors, kinds, frozenset(common))
+
+
+def stem(word: str) -> str:
+    """A word without its endings: "gloominess" and "gloomy" have the same stem."""
+    endings = tuple(sorted(shipped_vocabulary().words["endings"]))
+    while len(word) > _SHORTEST_STEM and word.endswith(endings):
+        shorter = {base for e in endings if _SHORTEST_STEM <= len(base := word.removesuffix(e)) < len(word)}
+        if not shorter:
+            break
+        word = min(shorter, key=len)
+    if len(word) > _SHORTEST_STEM and word[-1] == word[-2]:  # "walnutty", "foggy"
+        word = word[:-1]
+    return word.removesuffix("i") if len(word) > _SHORTEST_STEM else word
+
+
+class Nearest:
+    """Known words that an unknown word may stand for, the nearest first: offered for a click, never used automatically.
+
+    A guess by meaning is right too rarely; only spelling is corrected without asking, see `lexer`.
+    """
+
+    def __init__(self, vocabulary: Vocabulary) -> None:
+        import numpy as np
+
+        self._table = table()
+        # no phrases such as "just after sunrise", whose vectors say nothing about single words
+        words = {w: e for w, e in vocabulary.synonyms.items() if w not in hour_phrases()}
+        known = [(w, e, self._table.vector(w)) for w, e in words.items()]
+        self._known = [(word, entry) for word, entry, vector in known if vector is not None]
+        self._places = np.stack([vector for _, _, vector in known if vector is not None])
+
+    def may_be_a_look(self, word: str) -> bool:
+        """True if an unknown word may speak of a look, so that known ones are offered in its place."""
+        vector = self._table.vector(word)
+        return vector is not None and float((self._places @ vector).max()) >= _MAY_BE
+
+    def choices(self, word: str, count: int) -> list[str]:
+        """Known words that a word may be taken for, each of another entry, the nearest first; none where it has no vector."""
+        vector = self._table.vector(word)
+        if vector is None:
+            return []
+        chosen: dict[str, str] = {}
+        for i in (-(self._places @ vector)).argsort():
+            known, entry = self._known[i]
+            chosen.setdefault(entry, known)
+        return list(chosen.values())[:count]

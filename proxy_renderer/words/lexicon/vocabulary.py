@@ -1,30 +1,46 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The vocabulary (vocabulary.toml and colors.txt): all that parser and planner know of words, with mixed colors and kelvins."""
+"""The vocabulary (vocabulary.toml and colors.txt): all that parser and planner know of words, with the artist's own words on top.
+
+The artist's own words are a .toml file that adds entries and colors to the vocabulary, or replaces them:
+
+    [look."brand red"]            # the same rows as in vocabulary.toml, whose head explains them
+    slot = "material"
+    words = "our red, house red"
+    wishes = ["material/base_color color #c8102e !1", "material/roughness 0.1..0.2 !2"]
+
+    [colors]
+    "midnight plum" = "#3a1238"
+
+The file is the one that $VIBE_VOCABULARY names (`vibe --vocabulary FILE` sets it), else `vocabulary.toml` in the user's
+configuration folder.
+"""
 
 from __future__ import annotations
 
+import json
+import os
+import re
 import tomllib
-from collections.abc import Callable, Container
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ...color.floats import srgb_from_hex
-from ...color.shades import mixable, shade, tinged
-from ...schema import Values, VibeError
-from .entries import Effect, VocabularyEntry, listed, normalize, parse_effect, read_entry
-from .quantities import COLORS
+from ...color.floats import is_hex, srgb_from_hex
+from ...folders import config_folder
+from ...schema import Values, VibeError, atomic
+from .entries import Effect, VocabularyEntry, at_line, listed, normalize, parse_effect, read_entry
 from .rigs import rig_table
 
+VARIABLE = "VIBE_VOCABULARY"
+GLOWING = "glowing"  # the entry of what emits light
 _SHORTEST_STEM = 2  # characters; a stem has more
-# Colors between colors
-_ALONE = 0.7  # factor on chroma of a color that is only "greenish"
-_TINGE = 0.4  # share of the first color in "greenish blue"
-_HALF = 0.5  # in "green blue"
-_KIND = 2 / 3  # in "khaki green"
-_BASIC = frozenset([*COLORS, "gray"])
-_KINDS = _BASIC - {"white", "black"}  # colors that have kinds: "navy white" is two colors
+_VERSIONS = 2  # of the artist's file that are remembered
+_LARGEST = 2_000_000  # bytes; a vocabulary is text that somebody wrote
+_QUOTED = re.compile("'([^']+)'")
+_COLORS = re.compile(r"^\[colors\][^\n]*\n", re.MULTILINE)
 # Color temperatures
 _LEAST, _MOST, _STEP = 1300, 15500, 100  # kelvins of the entries
 _REACH = 0.03  # share by which a light's kelvins may differ from those of the prompt
@@ -86,9 +102,6 @@ class Vocabulary:
         return (base, base + "e", base[:-1], base[:-1] + "y") if compares else ()
 
 
-GLOWING = "glowing"  # the entry of what emits light
-
-
 @cache
 def shipped_vocabulary() -> Vocabulary:
     """The vocabulary that is shipped, with the words of the rigs."""
@@ -112,8 +125,13 @@ def load(text: str, colors: str) -> Vocabulary:
     except tomllib.TOMLDecodeError as error:
         raise VibeError(f"The vocabulary cannot be read: {error}.", "Mend that line.") from error
     named = (line.rsplit(" ", 1) for line in colors.splitlines() if line and not line.startswith("#"))
-    kelvins = {kelvin_entry(kelvins): _kelvin_rows(kelvins) for kelvins in range(_LEAST, _MOST + 1, _STEP)}
-    looks = {normalize(name): row for name, row in rows["look"].items()} | kelvins
+    looks: dict[str, dict[str, Any]] = {normalize(name): row for name, row in rows["look"].items()}
+    kelvins = range(_LEAST, _MOST + 1, _STEP)
+    for kelvin in kelvins:
+        tint = "warm" if kelvin < _WARM else "cool" if kelvin > _COOL else ""
+        wishes = [f"light_color is {tint}"] if tint else []
+        wishes.append(f"lights/temperature {kelvin * (1 - _REACH):.0f}..{kelvin * (1 + _REACH):.0f} !1")
+        looks[kelvin_entry(kelvin)] = {"slot": "lighting", "wishes": wishes, "phrase": f"{tint or 'neutral'} light"}
     entries = {name: read_entry(name, row) for name, row in looks.items()}
     synonyms: dict[str, str] = {}
     for entry in entries.values():
@@ -122,7 +140,8 @@ def load(text: str, colors: str) -> Vocabulary:
             synonyms.setdefault(word, entry.name)
     synonyms |= {name: name for name in entries}  # in their order, which decides between equally near words
     adjectives = {normalize(w): {k: normalize(e) for k, e in kinds.items()} for w, kinds in rows["adjective"].items()}
-    adjectives |= {name: dict.fromkeys(("light", "fill", "rim", "otherwise"), name) for name in kelvins}
+    of_light = ("light", "fill", "rim", "otherwise")
+    adjectives |= {name: dict.fromkeys(of_light, name) for name in map(kelvin_entry, kelvins)}
     elsewhere = {kind: _by_word(each) for kind, each in rows["elsewhere"].items()}
     said = [(word, name) for word, kinds in adjectives.items() for name in kinds.values()]
     said += [both for words in elsewhere.values() for both in words.items()]
@@ -186,55 +205,115 @@ def kelvin_entry(kelvins: float) -> str:
     return f"{min(max(round(kelvins / _STEP) * _STEP, _LEAST), _MOST)} kelvin"
 
 
-def _kelvin_rows(kelvins: int) -> dict[str, Any]:
-    tint = "warm" if kelvins < _WARM else "cool" if kelvins > _COOL else ""
-    range_ = f"{kelvins * (1 - _REACH):.0f}..{kelvins * (1 + _REACH):.0f}"
-    return {
-        "slot": "lighting",
-        "wishes": [*([f"light_color is {tint}"] if tint else []), f"lights/temperature {range_} !1"],
-        "phrase": f"{tint or 'neutral'} light",
-    }
+# The artist's own words
 
 
-# Colors between colors: "greenish", "gray-blue", "reddish brown", "khaki green", "bluegreen"
+def default_vocabulary() -> Vocabulary:
+    """The vocabulary that is shipped, with the user's own on top. Raises VibeError if something in the user's file is wrong."""
+    path = user_file()
+    return _extended(path, path.stat().st_mtime_ns) if path else shipped_vocabulary()
 
 
-def tending(word: str, colors: dict[str, Values]) -> Values | None:
-    """The color that "greenish" and "lemony" tend to; None for other words."""
-    if word.removesuffix("y") != word and word[:-1] in colors:
-        return colors[word[:-1]]
-    color = colors.get(_color_stem(word, colors))
-    return shade(color, chroma=_ALONE) if color else None
+@lru_cache(_VERSIONS)
+def _extended(path: Path, changed: int) -> Vocabulary:
+    return extend(shipped_vocabulary(), path)
 
 
-def compound(words: list[str], colors: dict[str, Values]) -> Values | None:
-    """The color of two color words: "khaki green"; None if the list has it, or if they are no color, or two: "teal orange"."""
-    if len(words) != 2 or " ".join(words) in colors or words[1] not in colors:
-        return None
-    first, base = words[0], colors[words[1]]
-    if first not in colors:
-        tinge = colors.get(_color_stem(first, colors))
-        return tinged(base, tinge, _TINGE) if tinge else None
-    two = first == words[1] or (first in _BASIC - _KINDS) or words[1] not in _KINDS
-    if two or not mixable(base, colors[first]):
-        return None
-    return tinged(base, colors[first], _HALF if first in _BASIC else _KIND)
+def user_file() -> Path | None:
+    """The artist's own vocabulary; None where there is none. Raises VibeError if $VIBE_VOCABULARY names no file."""
+    if named := os.environ.get(VARIABLE):
+        path = Path(named).expanduser()
+        if not path.is_file():
+            remedy = f"Check --vocabulary, or the variable {VARIABLE}."
+            raise VibeError(f"There is no vocabulary {named}.", remedy)
+        return path
+    path = config_folder() / "vocabulary.toml"
+    return path if path.is_file() else None
 
 
-def parted(word: str, colors: dict[str, Values], shades: dict[str, dict[str, float]]) -> list[str]:
-    """The words of a color's name that is written as one, "bluegreen" and "lightblue"; else the word alone."""
-    for second in _BASIC:
-        first = word.removesuffix(second)
-        if first != word and word not in colors and (first in colors or first in shades):
-            return [first, second]
-    return [word]
+def extend(base: Vocabulary, path: Path) -> Vocabulary:
+    """A vocabulary with a user's file on top, whose words win. Raises VibeError with file, line and remedy."""
+    text, rows = _read(path)
+    entries, synonyms, colors = dict(base.entries), dict(base.synonyms), dict(base.colors)
+    looks = rows.get("look", {})
+    for name, row in looks.items():
+        with _located(path, text, name):
+            if not isinstance(row, dict):
+                raise VibeError(f"'{name}' is not a table.", f'Write [look."{name}"] above its rows.')
+            entries[normalize(name)] = read_entry(normalize(name), row)
+    for name, own in ((name, entries[normalize(name)]) for name in looks):
+        with _located(path, text, name):
+            check_opposite(own, entries)
+        synonyms |= dict.fromkeys(own.words, own.name)
+        colors = {color: srgb for color, srgb in colors.items() if color not in own.words}
+    for name, code in rows.get("colors", {}).items():
+        if not is_hex(str(code)):
+            raise at_line(path, text, f"'{code}' is not a color", 'Write it as "#rrggbb".', name)
+        colors[normalize(name)] = srgb_from_hex(code)
+    return replace(base, entries=entries, synonyms=synonyms, colors=colors)
 
 
-def _color_stem(word: str, colors: dict[str, Values]) -> str:
-    """The color's name in "greenish", "bluey" and "reddy"; "" for other words."""
-    for ending in ("ish", "y"):
-        base = word.removesuffix(ending)
-        found = next((s for s in (base, base[:-1], base + "e") if base != word and s in colors), "")
-        if found:
-            return found
-    return ""
+def _read(path: Path) -> tuple[str, dict[str, Any]]:
+    try:
+        if path.stat().st_size > _LARGEST:
+            raise VibeError(f"The vocabulary {path} is larger than 2 MB.", "Use a .toml of words.")
+        text = path.read_text("utf-8")
+        rows = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise VibeError(f"The vocabulary {path} is not valid TOML: {error}.", "Mend that line.") from error
+    except (OSError, UnicodeDecodeError) as error:
+        remedy = "Save it as UTF-8 text."
+        raise VibeError(f"The vocabulary {path} cannot be read: {error}.", remedy) from error
+    for table, content in rows.items():
+        if table not in ("look", "colors") or not isinstance(content, dict):
+            remedy = "Use [look.NAME] or [colors]; these hold entries and color names."
+            raise at_line(path, text, f"'{table}' is no part of a vocabulary", remedy, table)
+    return text, rows
+
+
+@contextmanager
+def _located(path: Path, text: str, name: str) -> Iterator[None]:
+    """Adds file and line to an error on an entry; the line is found by the words that the error quotes."""
+    try:
+        yield
+    except VibeError as error:
+        what = error.message.removeprefix("Vocabulary: ").rstrip(".")
+        quoted = (said for said in _QUOTED.findall(what) if said != name)
+        raise at_line(path, text, what, error.remedy, name, *quoted) from error
+
+
+def add_look(path: Path, name: str, rows: Mapping[str, str | Sequence[str]]) -> None:
+    """Appends an entry. Raises VibeError, and leaves the file as it was, if the name is taken or the entry is wrong."""
+    lines = [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in rows.items() if value]
+    head = f"[look.{json.dumps(name, ensure_ascii=False)}]"
+    _write(path, name, "\n".join([_text(path).rstrip("\n"), "", head, *lines, ""]).lstrip("\n"))
+
+
+def add_color(path: Path, name: str, code: str) -> None:
+    """Adds a color, see `add_look`."""
+    text, line = _text(path), f"{json.dumps(name, ensure_ascii=False)} = {json.dumps(code)}\n"
+    head = _COLORS.search(text)
+    begun = text[: head.end()] if head else (text.rstrip("\n") + "\n\n[colors]\n").lstrip("\n")
+    _write(path, name, begun + line + (text[head.end() :] if head else ""))
+
+
+def _text(path: Path) -> str:
+    return path.read_text("utf-8") if path.is_file() else ""
+
+
+def _write(path: Path, name: str, text: str) -> None:
+    """Replaces the file by a text. Raises VibeError if the text is no vocabulary, or has the name already."""
+    key = json.dumps(name, ensure_ascii=False)
+    if re.search(rf"^(\[look\.)?{re.escape(key)}[\] ]", _text(path), re.MULTILINE):
+        raise VibeError(f"'{name}' is in {path} already.", "Change it there, or take another name.")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with atomic.replacing(path) as part:
+            part.write_text(text, encoding="utf-8")
+            try:
+                extend(shipped_vocabulary(), part)
+            except VibeError as error:
+                raise VibeError(error.message.replace(str(part), str(path)), error.remedy) from error
+    except OSError as error:
+        remedy = "Name another file with --vocabulary."
+        raise VibeError(f"{path} cannot be written: {error}.", remedy) from error
