@@ -14,6 +14,7 @@ from ..schema.targets import NUMBER
 from .attributes import fixture
 from .lexicon.entries import normalize
 from .lexicon.languages import any_of, singular, thing_words
+from .lexicon.rigs import rig_table
 from .lexicon.vocabulary import Vocabulary, hour_entry, kelvin_entry
 from .names import parts, scene_names
 from .passage import LIGHTS, passage
@@ -31,6 +32,7 @@ _MOST_WORDS = 4  # words of a value; more are a sentence of their own
 _AND = re.compile(r"\s*(?:,|\band\b|\bor\b)\s*")
 _JOINER = re.compile(r"(\s*\b(?:and|or|nor)\b\s*)")
 _CLAUSE = re.compile(r"[,.;:!]|\b(?:and|but|with|while)\b")
+_LAMPLIGHT = "lamplight"  # the rig of a room that one of its lamps lights
 _MOST_OF_A_LIGHT = 3  # words of a light's name
 
 Protection = tuple[str, tuple[str, ...]]
@@ -70,6 +72,8 @@ def normalized(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> No
         short = len(value.split()) <= _MOST_WORDS
         return f"{value} {key}" if short and key in vocabulary.nouns else pair[0]
 
+    for alone in vocabulary.made(_sole_lights):
+        text = alone.sub(_sole_light, text)
     text = _KELVINS.sub(_kelvins, _CLOCK.sub(_hour, _PAIR.sub(sentence, text.replace("’", "'"))))
     text, links, notes = _without_links(text, scene, vocabulary)
     found, rest = list[Protection](), text
@@ -80,6 +84,29 @@ def normalized(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> No
                 found.append((match[0].strip(), kept))
                 rest = rest.replace(match[0].strip(), ",")
     return Normalized(rest if rest.strip(" ,.;") else text, found, links, notes, targets)
+
+
+def _sole_lights(v: Vocabulary) -> list[re.Pattern[str]]:
+    """Patterns of wordings for one light that is on alone."""
+    rows = ("sole", "alight", "lit_by", "every_light", "put_out", "excepted")
+    sole, alight, lit_by, every, out, excepted = (any_of(v.words[row]) for row in rows)
+    article, end = rf"(?:{any_of(v.lists['definite'])} |an? )?", r"(?=\s*(?:[,;.]|$))"
+    light, be = rf"{article}(?P<light>(?:[\w'-]+ ){{0,3}}?[\w'-]+)", r"(?:is |are )?"
+    texts = (
+        rf"\b{sole} {light} {be}{alight}\b",
+        rf"\b{every} {be}{out},? {excepted} {light}{end}",
+        rf"\b{lit_by} {light}{end}",
+    )
+    return [re.compile(text, re.IGNORECASE) for text in texts]
+
+
+def _sole_light(match: re.Match[str]) -> str:
+    """ "only the floor lamp on" as "by lamplight", "just the key on" as "key on, everything else dark"."""
+    light, rigs = match["light"], rig_table().rigs
+    noun = singular(light.split()[-1].lower())
+    if noun in rigs[_LAMPLIGHT].lights[0].names:
+        return f"by {next((name for name in rigs if name.startswith(noun)), _LAMPLIGHT)}"
+    return f"{light} on, everything else dark"
 
 
 def _hour(match: re.Match[str]) -> str:

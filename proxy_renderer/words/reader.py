@@ -18,7 +18,7 @@ from .names import is_detail, is_of_surfaces, parts
 from .passage import STRUCTURES
 from .scene import NounMention, is_alike, materials_of
 from .targets import LAMPS, MATTER, ROLES, SURFACE, PromptPairs, TargetPair, rest, sense_at, with_choices
-from .types import STRONGEST, WEAKEST, Attribute, MaterialLook, Parsed, SceneDescription
+from .types import GLOW, STRONGEST, WEAKEST, Attribute, MaterialLook, Parsed, SceneDescription
 
 _PLAIN = "Use plain look words that the vocabulary knows."
 _MAIN = 0.7  # least share of the subject that has one color, for a subject of one material
@@ -82,7 +82,9 @@ def read_words(
     row = [each[0] for each in ranked]
     if all(pair.target.kind == "none" for pair in row):  # then each word describes something, if it can
         row = [next((p for p in each if p.target.kind != "none"), each[0]) for each in ranked]
-    row = [_in_its_light(pair, each, pairs.mentions, phrases) for pair, each in zip(row, ranked, strict=True)]
+    row = [
+        _in_its_light(pair, each, pairs.mentions, phrases, vocabulary) for pair, each in zip(row, ranked, strict=True)
+    ]
     chosen, unused = with_choices(row, targets or {}, english or {}, scene, vocabulary)
     objects = AbsentObjects(pairs, scene, vocabulary)
     subject, parsed, passage = objects.subject or scene.subject, Parsed(text), pairs.passage
@@ -125,12 +127,21 @@ def _unknown(read: PromptReading) -> Iterator[str]:
 
 
 def _in_its_light(
-    pair: TargetPair, pairs: list[TargetPair], mentions: list[NounMention], phrases: Mapping[int, tuple[int, ...]]
+    pair: TargetPair,
+    pairs: list[TargetPair],
+    mentions: list[NounMention],
+    phrases: Mapping[int, tuple[int, ...]],
+    vocabulary: Vocabulary,
 ) -> TargetPair:
     """A look word's pair; with light as its target if it is in the description of a light, "a pink one at the left".
 
-    It keeps a target that this description names: "an orange sun behind the red cars".
+    It keeps a target that this description names: "an orange sun behind the red cars". A word that both lights and surfaces
+    can have is the light's where the named surface glows: "globes brighter".
     """
+    if pair.target.mention >= 0 and "lamp" in vocabulary.adjectives.get(pair.look.token.adjective, {}):
+        same = [p for p in pairs if p.target.kind == "lights" and p.target.mention == pair.target.mention]
+        if glow := next((p for p in same if all(name.startswith(GLOW) for name in p.target.names)), None):
+            return glow
     target, token, numbers = pair.target, pair.look.token, phrases.get(pair.look.index)
     named_here = target.mention >= 0 and phrases.get(mentions[target.mention].start) == numbers
     is_a_name = any(m.named and m.covers(pair.look.index) for m in mentions)
@@ -151,6 +162,9 @@ def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
         return _attributes(read, pair, entry, replace(thing, thing=pair.chosen) if pair.target.names else thing)
     # "pier", if the scene has one
     is_a_name = any(m.named and m.covers(pair.look.index) for m in read.pairs.mentions)
+    rig = rig_table().rigs.get(token.entry)
+    if is_a_name and rig and rig.kind in ("place", "mood") and kind not in MATTER:  # "garage" of "the garage door"
+        return None
     if number in read.absent or _is_unsure(read, number):
         return []
     if kind == "none":
