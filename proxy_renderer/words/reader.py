@@ -24,6 +24,8 @@ _PLAIN = "Use plain look words that the vocabulary knows."
 _MAIN = 0.7  # least share of the subject that has one color, for a subject of one material
 _UNSURE = 0.35
 """A word that is no look word with a greater probability is not used; chosen on a half of tests/words/ordinary_words.toml."""
+_RIVAL = 0.6  # least probability of a rival, as a share of that of the likeliest pair
+_LARGER = 2.0  # least multiple of its area in the image
 _LESS = 0.7  # share of the opposite that "less" asks for
 _KINDS = {"lights": "light", "key": "light", "air": "fog"}  # of target -> of thing, where they differ
 _OF_SLOT = {"lighting": "light", "atmosphere": "fog", "grade": "tone", "setting": "surroundings"}
@@ -78,7 +80,7 @@ def read_words(
     weights = shipped_weights() if weights is None else weights
     pairs = reading(text, scene, vocabulary, foreign)
     phrases = light_phrases(pairs.passage, vocabulary, rig_table())
-    ranked = [[pair for pair, _ in likeliest(each, weights)] for each in pairs.pairs]
+    ranked = [_main_first(likeliest(each, weights), scene) for each in pairs.pairs]
     row = [each[0] for each in ranked]
     if all(pair.target.kind == "none" for pair in row):  # then each word describes something, if it can
         row = [next((p for p in each if p.target.kind != "none"), each[0]) for each in ranked]
@@ -126,6 +128,22 @@ def _unknown(read: PromptReading) -> Iterator[str]:
     yield from (t.text for t in items if "count" in t.lists or t.text.isdigit())
 
 
+def _main_first(ranked: list[tuple[TargetPair, float]], scene: SceneDescription) -> list[TargetPair]:
+    """Pairs, the likeliest first; of two materials of one noun that are about as likely, the larger: a scooter's paint, not its seat."""
+
+    def area(pair: TargetPair) -> float:
+        return sum(scene.looks[name].share for name in pair.target.names if name in scene.looks)
+
+    pairs = [pair for pair, _ in ranked]
+    first, best = ranked[0]
+    if first.target.kind == "things" and first.target.mention >= 0:
+        same = (p for p, share in ranked if share > _RIVAL * best and p.target.mention == first.target.mention)
+        main = max((p for p in same if p.target.kind == "things"), key=area)
+        if area(main) > _LARGER * area(first):
+            return [main, *(pair for pair in pairs if pair is not main)]
+    return pairs
+
+
 def _in_its_light(
     pair: TargetPair,
     pairs: list[TargetPair],
@@ -162,8 +180,8 @@ def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
         return _attributes(read, pair, entry, replace(thing, thing=pair.chosen) if pair.target.names else thing)
     # "pier", if the scene has one
     is_a_name = any(m.named and m.covers(pair.look.index) for m in read.pairs.mentions)
-    rig = rig_table().rigs.get(token.entry)
-    if is_a_name and rig and rig.kind in ("place", "mood") and kind not in MATTER:  # "garage" of "the garage door"
+    is_a_place = read.vocabulary.slot(token.entry) in ("setting", "mood")
+    if is_a_name and is_a_place and kind not in MATTER:  # "garage" of "the garage door"
         return None
     if number in read.absent or _is_unsure(read, number):
         return []

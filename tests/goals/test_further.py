@@ -179,7 +179,7 @@ def test_the_color_of_a_light_moves_with_its_words():
 
 
 def test_a_look_without_its_object_is_left_out():
-    goals = step("brushed aluminium for the deck")
+    goals = step("brushed steel for the deck")
     assert not goals.wishes
     assert "no 'deck'" in goals.parsed.notes[-1]
 

@@ -12,7 +12,7 @@ from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.words.names import fit, parts
 from proxy_renderer.words.parser import parse, why
 from proxy_renderer.words.reader import read_words
-from proxy_renderer.words.types import LightDescription, SceneDescription
+from proxy_renderer.words.types import LightDescription, MaterialLook, SceneDescription
 
 _READS = """
 from proxy_renderer.words.model import reading
@@ -163,3 +163,28 @@ def test_a_rim_is_of_light_though_glasses_have_rims() -> None:
     for prompt in ("teal rim", "teal rim on her hair from the right"):
         (teal,) = (a for a in parse(prompt, scene).attributes if a.word == "teal")
         assert teal.owners == (), prompt
+
+
+def test_a_noun_of_several_parts_names_what_most_of_them_wear():
+    parts_of = {"Scooter Body": "Scooter Paint", "Scooter Shield": "Scooter Paint", "Scooter Seat": "Scooter Seat"}
+    shares = {"Scooter Paint": 0.05, "Scooter Seat": 0.01}
+    scene = SceneDescription(
+        objects=dict.fromkeys(parts_of, "surroundings"),
+        materials=dict.fromkeys(shares, "surroundings"),
+        object_materials={thing: (material,) for thing, material in parts_of.items()},
+        looks={name: MaterialLook(share=share) for name, share in shares.items()},
+    )
+    (red,) = (a for a in parse("red scooter", scene).attributes if a.word == "red")
+    assert red.owners == ("Scooter Paint",)
+
+
+def test_a_place_in_the_name_of_an_object_is_no_look():
+    scene = SceneDescription(
+        objects={"Garage Gate": "surroundings"},
+        materials={"Oak": "surroundings"},
+        object_materials={"Garage Gate": ("Oak",)},
+        lights={"Sun": LightDescription("SUN")},
+    )
+    words = {a.word for a in parse("low sun raking across the garage door", scene).attributes}
+    assert "low sun" in words
+    assert "garage" not in words

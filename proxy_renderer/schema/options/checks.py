@@ -104,7 +104,7 @@ def in_order(found: list[tuple[int, str]]) -> list[tuple[int, str]]:
 def numbers(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> None:
     """Fills in the numbers that the effort decides; raises VibeError for a number out of its option's bounds."""
     for name in limits.NUMBERS if hasattr(given, "effort") else ():
-        if getattr(given, name) is None:
+        if getattr(given, name, 0) is None:
             setattr(given, name, getattr(limits.BUDGETS[given.effort], name))
     for option in table:
         value = getattr(given, option.name, None)
