@@ -30,6 +30,7 @@ _NOTICED = 2.0  # noticeable differences in one step; for warmth one step is a c
 _LEAST, _MOST = 0.8, 1.3  # shares of the requested change between which a word is satisfied
 _REACH = 0.07  # share of its range by which a value may move for one step, up or down
 _BRIGHTER = 2.0**0.5  # factor of one step for values on a log scale that no measure reads: half a stop
+_WARMER = 1.17  # the same for a color temperature: 6500 K to 5600 K
 _NO_AMOUNTS = ("hardness", "light_color", "cast")  # quantities of which no number is twice as much
 _EXACT = 0.01  # share by which "twice as much" may be missed
 
@@ -297,7 +298,7 @@ def _effect_moved(effect: Effect, way: float, factor: float) -> Effect:
         if parameter.scale.name != "log":
             ends = sorted((_REACH * way * (1 - _EXACT), _REACH * way * (1 + _EXACT)))
             return Effect(effect.owner, effect.name, "near", (ends[0],), (ends[1],), priority=1)
-        factor = _BRIGHTER**way
+        factor = (_WARMER if effect.name == "temperature" else _BRIGHTER) ** way
     low, high = ((factor * (1 + off),) for off in (-_EXACT, _EXACT))
     return Effect(effect.owner, effect.name, "times", low, high, priority=1)
 
