@@ -124,7 +124,7 @@ class Fit:
 
 
 def fit_look(look: preset.Preset, target: SceneParameters) -> Fit:
-    """Fits a preset to a scene; values for a light that the scene lacks belong to a light that will be added."""
+    """Fits a preset's values to a scene. For a light that the scene lacks, they are kept for a light that applying adds."""
     result = Fit()
     for role, entries in look.roles.items():
         group, theirs = preset.ROLES[role], role_owners(target, role)

@@ -137,7 +137,10 @@ def surface_color(context: SceneContext, material: Material) -> ValueSlot | None
 
 
 def glow(name: str, context: SceneContext, material: Material) -> ValueSlot | None:
-    """The emission color or strength ("Color", "Strength"), or the Vibe Tint or Factor on one that nodes compute."""
+    """The slot of a material's emission, its "Color" or "Strength"; None if it has none.
+
+    If nodes compute the value, the slot is the Vibe Tint or Vibe Factor node that multiplies it.
+    """
     find = partial(layers.entry, material, f"Emission {name}")
     inset, changed = (TINT, "Tint") if name == "Color" else (FACTOR, "Factor")
     return inputs.input_slot(find, tinted=True) or inset.slot(find, changed)

@@ -251,7 +251,7 @@ class VIBE_OT_test_engine(Operator, label="Test Engine"):
 
 
 class VIBE_OT_clear_cache(Operator, label="Clear"):
-    """Delete what the engine keeps; it is made again when it is needed"""
+    """Delete the engine's stored files; they are made again when they are needed"""
 
     @classmethod
     def obstacle(cls, context: bpy.types.Context) -> str:

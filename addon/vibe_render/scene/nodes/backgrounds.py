@@ -114,7 +114,10 @@ def _ways(texture: NodeInGroups) -> list[NodeInGroups]:
 
 
 def rotation_slot(world: World) -> ValueSlot | None:
-    """The rotation of a world's environment texture: of the Mapping node where its direction begins, or of an added one."""
+    """The slot that turns a world's environment texture: of the first Mapping node before it, or of one that writing adds.
+
+    None if the world has no such texture.
+    """
     texture = environment(world)
     if not texture:
         return None

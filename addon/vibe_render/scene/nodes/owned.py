@@ -136,12 +136,12 @@ class Builder:
         return node.outputs["Value" if operation in {"DOT_PRODUCT", "LENGTH"} else "Vector"]
 
     def output(self, source: NodeSocket) -> None:
-        """The group's only output."""
+        """Adds the group's only output and links a socket to it."""
         node = self.add(self.tree.nodes.new("NodeGroupOutput"))
         self.tree.links.new(source, node.inputs[0])
 
     def output_with_alpha(self, color: NodeSocket, image: NodeSocket) -> None:
-        """The group's only output: a color with the alpha of an image."""
+        """Adds the group's only output: a color with the alpha of an image."""
         alpha = self.node("CompositorNodeSeparateColor", Image=image).outputs["Alpha"]
         node = self.node("CompositorNodeSetAlpha", Image=color, Alpha=alpha)
         compat.set_option(node, "mode", "Type", "REPLACE_ALPHA", "Replace Alpha")
