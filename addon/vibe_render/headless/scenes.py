@@ -45,7 +45,7 @@ def open_scene(args: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.
 def open_blend(path: Path) -> None:
     """Opens a .blend without running its scripts.
 
-    Where Blender is the module `bpy`, fluids are switched off before they are evaluated, see `_switch_off`.
+    Where Blender is the module `bpy`, fluids are switched off first: there they would end the process or write caches.
     """
     if not path.is_file():
         raise schema.VibeError(f"There is no file {path}.", "Check the path.")
