@@ -10,7 +10,7 @@ from ..schema import VibeError
 from ..schema.parameters import Region
 from .attributes import NamedThing, light_phrases
 from .lexicon.languages import name_words, singular, thing_words
-from .lexicon.rigs import rig_table
+from .lexicon.rigs import TIMES, rig_table
 from .lexicon.vocabulary import Vocabulary
 from .mentions import OwnNouns
 from .model import likeliest, reading, shipped_weights
@@ -182,6 +182,12 @@ def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
     is_a_name = any(m.named and m.covers(pair.look.index) for m in read.pairs.mentions)
     is_a_place = read.vocabulary.slot(token.entry) in ("setting", "mood")
     if is_a_name and is_a_place and kind not in MATTER:  # "garage" of "the garage door"
+        return None
+    rig = rig_table().rigs.get(token.entry)
+    mentions = {p.target.mention for p in read.chosen if p is not pair and p.target.kind in MATTER} - {-1}
+    is_described = any(read.pairs.mentions[mention].covers(pair.look.index) for mention in mentions)
+    # "fire" of "blue fire" is the object that "blue" describes; an hour is of the image, though a lamp may be called "sun"
+    if kind == "light" and is_a_name and is_described and not (rig and rig.kind in TIMES):
         return None
     if number in read.absent or _is_unsure(read, number):
         return []

@@ -254,15 +254,15 @@ def export_material(material: Material | None, measured: Mapping[str, MeasuredCh
     """Describes a material (None: faces without one), given the measurements of its `computed_inputs`."""
     if material is None:
         values = {**DEFAULTS, **trails.SHADERS["ShaderNodeBsdfDiffuse"].stand_in}
-        return ExportedMaterial(_row(NO_MATERIAL, "approximate"), {}, values, "it has no material")
+        return ExportedMaterial(_row(NO_MATERIAL), {}, values, "it has no material")
     if compat.node_tree(material) is None:
         values = {"metallic": (material.metallic,), "roughness": (material.roughness,)}
-        return ExportedMaterial(_row(material.name_full, "approximate"), {}, values, "its nodes are off")
+        return ExportedMaterial(_row(material.name_full), {}, values, "its nodes are off")
     mixture, shown = Mixture.of(material, measured), layers.by_prominence(material)
     labels = {node.bl_idname: node.bl_label for node in trails.foreign_nodes(material)}
     notes = [f"{label}, which {FOREIGN[kind]}, is left out" for kind, label in labels.items()]
     if not shown and mixture.layers:
-        clear = ExportedMaterial(_row(material.name_full, "principled"), {}, {**DEFAULTS, **BLACK})
+        clear = ExportedMaterial(_row(material.name_full), {}, {**DEFAULTS, **BLACK})
         clear.row["alpha"], clear.reason = float(mixture.opacity().mean()), "it is transparent"
         return clear
     if not shown:
@@ -271,12 +271,12 @@ def export_material(material: Material | None, measured: Mapping[str, MeasuredCh
         black = rendered.is_holdout(material) or not (output and active_links(output.inputs["Surface"]))
         notes.append(f"A shader that is not known is shown {'black' if black else 'gray'}")
         values = {**DEFAULTS, **(BLACK if black else {})}
-        row = _row(material.name_full, "approximate")
+        row = _row(material.name_full)
         return ExportedMaterial(row, {}, values, "its shader is not known", notes)
     base = next((layer for layer in shown if layer.shader.input("Base Color")), shown[0])
-    result = ExportedMaterial(_row(material.name_full, "principled"), notes=notes)
+    result = ExportedMaterial(_row(material.name_full), notes=notes)
     if base.kind != PRINCIPLED:
-        result.row["model"], result.reason = "approximate", f"its shader is a {base.shader.node.bl_label}"
+        result.reason = f"its shader is a {base.shader.node.bl_label}"
         result.values.update(base.shader.shader.stand_in)
         result.values.update(mixture.values(base))
     _constants(base, mixture, result.row)
@@ -301,8 +301,8 @@ def _notes(base: Layer, shown: list[Layer], constants: Mapping[str, Any]) -> lis
     return notes + [note for name, note in left_out.items() if constants.get(name, 0.0) > 0]
 
 
-def _row(name: str, model: str) -> dict[str, Any]:
-    return {"name": name, "model": model, "alpha": 1.0, "constants": {}, "texture": None}
+def _row(name: str) -> dict[str, Any]:
+    return {"name": name, "alpha": 1.0, "constants": {}, "texture": None}
 
 
 def _constants(base: Layer, mixture: Mixture, row: dict[str, Any]) -> None:
