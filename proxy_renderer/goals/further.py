@@ -80,6 +80,8 @@ def _why_not(attribute: Attribute, goals: Goals) -> str:
         return "the sentence does not name what there is to be more or less of"
     if attribute.word in _SIDES:  # "front" of "front car" is no light
         return "it names no light: write 'light from the front'"
+    if attribute.slot == "setting" and f"the {attribute.word.split()[-1]}" in goals.parsed.prompt.lower():
+        return "it says where in the image, not how it is to look"  # "between the trees"
     if attribute.owners or attribute.lights or attribute.role:
         return ""
     if any(_ADDED in note for note in goals.parsed.notes):
@@ -94,7 +96,7 @@ def _why_not(attribute: Attribute, goals: Goals) -> str:
 
 def _fixture(attribute: Attribute, scene: SceneDescription) -> tuple[str, ...]:
     """The lights that a word is about: all lights and glows of that name, as a lamp is often a light in a bulb that glows."""
-    noun = {*attribute.thing.lower().split()}
+    noun = {singular(word) for word in attribute.thing.lower().split()}
 
     def is_called_so(name: str) -> bool:
         return bool(noun) and noun <= {singular(word) for word in re.split(r"[\W_\d]+", name.lower())}

@@ -42,7 +42,7 @@ _WORDS = "|".join(sorted(_FACTORS, key=len, reverse=True))
 _POWERFUL = rf"\b(?P<factor>{_WORDS}) as (?:strong|bright|intense|powerful)\b"
 # "a third darker" is no third of it
 _TIMES = "|".join(word for word in _FACTORS if not word.startswith("a "))
-_COMPARED = rf"\b(?P<factor>{_TIMES})(?: as(?: much)?)?(?: of)?(?: the)? (?=\w)"
+_COMPARED = rf"\b(?P<factor>{_TIMES})(?: as(?: much)?)?(?: of)?(?: the)? (?!but |and )(?=\w)"
 _MULTIPLE = r"\b(?P<number>\d{1,2}(?:\.\d+)?) ?(?:x|×|times)(?: as)? (?P<what>brighter|stronger|darker|dimmer|weaker|more|less)\b"
 _MULTIPLE_AFTER = r",? (?:(?:like|about|maybe|by) )?(?P<number>\d{1,2}(?:\.\d+)?) ?(?:x|×|times)$"
 _COUNTS = {"two": 2.0, "three": 3.0, "half a": 0.5, "1/2": 0.5, "2/3": 2 / 3}
@@ -158,15 +158,16 @@ def _with_factor(text: str) -> tuple[str, float, int]:
         factor, word = _factor(found.groupdict()), f"{found['sign']} {found['what']}"
     elif found := _PATTERNS["share_after"].search(text):
         factor = _factor({"share": found["share"], "sign": "less" if _PATTERNS["less"].search(text) else "more"})
-        if "," in text.replace(
-            found[0], ""
-        ):  # a factor would apply to the whole sentence, but is meant for its last part
+        rest = re.sub(", but leave .*", "", text.replace(found[0], ""))
+        if "," in rest:  # a factor would apply to the whole sentence, but is meant for its last part
             factor = 0.0
     elif found := re.search(_MULTIPLE, text, re.I):  # "1.5x brighter", and "2 times darker" is half
         word = found["what"]
         factor = (1.0 / max(float(found["number"]), 0.1)) if word in _DOWN else float(found["number"])
     elif found := re.search(_MULTIPLE_AFTER, text, re.I):  # "stronger glow, like 3x"
         factor = float(found["number"])
+    elif found := _PATTERNS["amount_after"].search(text):
+        factor = _FACTORS[found["factor"].lower()]
     elif found := re.search(_COMPARED, text, re.I):
         factor = _FACTORS[found["factor"].lower()]
         word = "more " if factor > 1.0 else "less "
@@ -192,6 +193,8 @@ def _wish(text: str) -> str:
     """The request of a sentence, without what it says about the present look and without reasons."""
     text = _PATTERNS["reason"].sub("", _PATTERNS["resembles"].sub("", text))
     text = _PATTERNS["needs"].sub(", ", text).strip(" ,")
+    if found := _PATTERNS["question"].match(text):
+        return _with_noun(text[found.end() :], found["thing"])
     found = _PATTERNS["complaint"].fullmatch(text)
     if found and found["thing"].lower() not in _PRONOUNS:
         return _with_noun(found["act"], found["thing"])
@@ -207,4 +210,4 @@ def _wish(text: str) -> str:
 def _with_noun(text: str, noun: str) -> str:
     """A text with a noun in the place of its first pronoun."""
     noun = noun if noun.startswith("the ") else f"the {noun}"
-    return re.sub(r"\b(?:it|them|that)\b(?! \w*(?:er|s)\b)", noun, text, count=1, flags=re.I)
+    return re.sub(r"\b(?:it|(?:them|that)(?! \w*(?:er|s)\b))\b", noun, text, count=1, flags=re.I)

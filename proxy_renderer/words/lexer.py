@@ -86,8 +86,14 @@ class Lexer:
 
     def __init__(self, vocabulary: Vocabulary, words: SceneDescription, foreign: Collection[str] = ()) -> None:
         self.vocabulary, self.foreign = vocabulary, {*map(normalize, foreign)}
-        self.names = scene_names(words)
+        self.names = {name for name in scene_names(words) if not self._is_look(name)}
         self._in_names = {word for name in self.names for word in name.split()}
+
+    def _is_look(self, name: str) -> bool:
+        """True for a name that only says a look, as "matte black" of a material: in a prompt it is the look."""
+        v, words = self.vocabulary, name.split()
+        looks = (word in v.colors or word in v.adjectives or v.slot(word) == "finish" for word in words)
+        return len(words) > 1 and all(looks) and v.nouns.keys().isdisjoint(words)
 
     def clauses(self, prompt: str) -> list[list[Token]]:
         """Tokens of each clause of a prompt."""

@@ -80,7 +80,7 @@ def read_words(
     weights = shipped_weights() if weights is None else weights
     pairs = reading(text, scene, vocabulary, foreign)
     phrases = light_phrases(pairs.passage, vocabulary, rig_table())
-    ranked = [_main_first(likeliest(each, weights), scene) for each in pairs.pairs]
+    ranked = [_main_first(likeliest(each, weights), pairs, scene) for each in pairs.pairs]
     row = [each[0] for each in ranked]
     if all(pair.target.kind == "none" for pair in row):  # then each word describes something, if it can
         row = [next((p for p in each if p.target.kind != "none"), each[0]) for each in ranked]
@@ -128,20 +128,25 @@ def _unknown(read: PromptReading) -> Iterator[str]:
     yield from (t.text for t in items if "count" in t.lists or t.text.isdigit())
 
 
-def _main_first(ranked: list[tuple[TargetPair, float]], scene: SceneDescription) -> list[TargetPair]:
-    """Pairs, the likeliest first; of two materials of one noun that are about as likely, the larger: a scooter's paint, not its seat."""
+def _main_first(
+    ranked: list[tuple[TargetPair, float]], pairs: PromptPairs, scene: SceneDescription
+) -> list[TargetPair]:
+    """Pairs, the likeliest first; of two materials called by one noun that are about as likely, the larger: a scooter's paint, not its seat."""
+    first, best = ranked[0]
+    found = [pair for pair, _ in ranked]
+    if first.target.kind != "things" or first.target.mention < 0:
+        return found
+    noun = singular(pairs.mentions[first.target.mention].text.split()[-1])
 
     def area(pair: TargetPair) -> float:
-        return sum(scene.looks[name].share for name in pair.target.names if name in scene.looks)
+        called_so = all(noun in parts(name) for name in pair.target.names)
+        return sum(scene.looks[name].share for name in pair.target.names if called_so and name in scene.looks)
 
-    pairs = [pair for pair, _ in ranked]
-    first, best = ranked[0]
-    if first.target.kind == "things" and first.target.mention >= 0:
-        same = (p for p, share in ranked if share > _RIVAL * best and p.target.mention == first.target.mention)
-        main = max((p for p in same if p.target.kind == "things"), key=area)
-        if area(main) > _LARGER * area(first):
-            return [main, *(pair for pair in pairs if pair is not main)]
-    return pairs
+    same = (p for p, share in ranked if share > _RIVAL * best and p.target.mention == first.target.mention)
+    main = max((p for p in same if p.target.kind == "things"), key=area)
+    if 0.0 < _LARGER * area(first) < area(main):
+        found = [main, *(pair for pair in found if pair is not main)]
+    return found
 
 
 def _in_its_light(

@@ -183,6 +183,9 @@ class SceneIndex:
         yield "lights", [name for name, way in lamps.items() if way == surest], (f"light {surest}",)
         glows = self._ways(said, {name: self._materials[name] for name in self.words.glows})
         yield "lights", [GLOW + name for name in glows], (f"glow {best(glows.values())}",)
+        shown = self._ways(said, self._objects)
+        lit = [name for name in self.words.glows if any(name in worn[thing] for thing in shown)]
+        yield "lights", [GLOW + name for name in lit], (f"glow on object {best(shown.values())}",)
 
 
 class LookIndex:

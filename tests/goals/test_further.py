@@ -161,7 +161,7 @@ def test_a_lamp_is_its_light_and_its_glowing_bulb():
         glows=("Glass",),
         looks={"Glass": MaterialLook(glows=True, worn={"Lamp Bulb": 0.01})},
     )
-    (wish,) = further(goals_of(parse("lamp dimmer", scene)), VOCABULARY, scene).wishes
+    (wish,) = further(goals_of(parse("lamps dimmer", scene)), VOCABULARY, scene).wishes
     assert {*wish.attribute.lights} == {"Floor Lamp", "material/Glass"}
 
 
@@ -182,6 +182,11 @@ def test_a_look_without_its_object_is_left_out():
     goals = step("brushed steel for the deck")
     assert not goals.wishes
     assert "no 'deck'" in goals.parsed.notes[-1]
+
+
+def test_a_place_in_the_image_is_no_setting():
+    goals = step("more haze between the trees")
+    assert {wish.quantity for wish in goals.wishes} == {"haze"}
 
 
 def test_a_side_of_an_object_is_no_light():
