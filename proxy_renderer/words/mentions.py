@@ -112,7 +112,7 @@ class _NounFinder:
         of_light = any_light and not plural and self.vocabulary.nouns.get(last[0]) == "light"
         if of_a_role or of_light:  # a "blue rim" is of light, though glasses have rims; and no light is a "Tail Light"
             named = [n for n in named if n.kind == "lights"] or self._surely(named)
-        return named
+        return self._surely(named) if token.filler and not token.noun else named  # "the" is no French tea
 
     def _is_of_the_next(self, start: int) -> bool:
         """True if a look word describes the thing after it, with only looks between: "red leather seats" names no red lamp."""

@@ -188,3 +188,12 @@ def test_a_place_in_the_name_of_an_object_is_no_look():
     words = {a.word for a in parse("low sun raking across the garage door", scene).attributes}
     assert "low sun" in words
     assert "garage" not in words
+
+
+def test_an_article_names_nothing():
+    scene = SceneDescription(
+        objects={"Tea": "surroundings", "Cup": "subject"},
+        materials={"Tea": "surroundings", "Clay": "subject"},
+        object_materials={"Tea": ("Tea",), "Cup": ("Clay",)},
+    )
+    assert not any("Tea" in a.owners for a in parse("blue dusk outside the window, warm glow", scene).attributes)
