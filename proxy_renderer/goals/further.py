@@ -19,11 +19,9 @@ from .resolve import Goals, resolved
 from .wish import Wish, wishes_of
 
 _OF = re.compile(r"\b(?:for|on|of|to) (?:the|her|his|its|this|that) (?:\w+ ){0,2}?(\w+)(?=$|[,;.]| instead\b)", re.I)
-_ABSENT = re.compile("there is no '(.+?)' in the scene")  # in the note on words for objects that the scene lacks
 _BARE = ("more", "less", "a bit more", "a bit less", "much more", "much less")
 _SIDES = ("front", "back", "rear", "side", "behind")
 _OF_SOMETHING = ("stronger", "weaker")  # comparatives that say nothing without a noun
-_ADDED = "things are not added"  # in the note on words that ask for new objects
 _SMALL = re.compile(r"\b(?:bit|little|slightly|subtly|gently)\b")
 _LARGE = re.compile(r"\b(?:much|very|strongly|far|extremely)\b")
 _NOTICED = 2.0  # noticeable differences in one step; for warmth one step is a cast of about 3 ΔE
@@ -75,7 +73,7 @@ def further(
 
 
 def _why_not(attribute: Attribute, goals: Goals) -> str:
-    """Why a word of a further sentence is left out: what it describes is not there, or it does not say of what; "" if it is used."""
+    """The reason to leave out a word of a further sentence, as that its object is not in the scene; "" if it is used."""
     if attribute.word in _BARE:
         return "the sentence does not name what there is to be more or less of"
     if attribute.word in _SIDES:  # "front" of "front car" is no light
@@ -84,13 +82,13 @@ def _why_not(attribute: Attribute, goals: Goals) -> str:
         return "it says where in the image, not how it is to look"  # "between the trees"
     if attribute.owners or attribute.lights or attribute.role:
         return ""
-    if any(_ADDED in note for note in goals.parsed.notes):
+    if goals.parsed.undone:
         return "it is of something that would have to be added"
     unnamed = attribute.kind == "subject" and attribute.thing.lower() not in goals.parsed.prompt.lower()
     needs_noun = unnamed or attribute.word.split()[-1] in _OF_SOMETHING
     absent = [noun for noun in _OF.findall(goals.parsed.prompt) if noun.lower() in goals.parsed.ignored]
     absent += [noun for noun in goals.parsed.ignored if thing_words().get(noun)]
-    absent += [noun for note in goals.parsed.notes for noun in _ABSENT.findall(note)]
+    absent += goals.parsed.absent
     return f"there is no '{absent[0]}' in the scene" if needs_noun and absent else ""
 
 

@@ -25,7 +25,7 @@ from ..schema.messages import Options
 from ..words.lexicon.rigs import rig_table
 from ..words.lexicon.vocabulary import default_vocabulary
 from ..words.parser import Understood
-from ..words.types import Attribute, SaidLink
+from ..words.types import Attribute, SaidLink, SceneDescription
 from .scene_facts import described
 
 _SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim", "kicker", "bounce")}
@@ -69,13 +69,9 @@ def set_stage(
 
     The first of several shots decides on lights for all, if there may be `new_lights`; a backdrop is added to all or to none. `written`
     goals replace those of the prompt. The goals of a prompt that `goes_on`, a further sentence, are relative to the present image.
-    Raises VibeError if a target, as "copper=Cup", names nothing in the scene.
+    Raises VibeError if a target, as "copper=Cup", names nothing in the scene, or if a further sentence asks for nothing.
     """
-    sentence = prompt
     prompt, factor, compared = sentences.plain(prompt) if goes_on else (prompt, 0.0, "")
-    if sentence.strip() and not prompt:
-        problem = f"'{sentence}' says how the image is, not what is to change."
-        raise VibeError(problem, 'Say what is to change, and how: "less fog", "the lamp dimmer".')
     anew = goes_on and new_lights and sentences.adds_light(prompt)
     understood = Understood(prompt, described(*scenes), target)
     if anew and (added := _about_added(understood)):
@@ -89,29 +85,34 @@ def set_stage(
         goals = further(goals, vocabulary, understood.scene, factor, compared)
         if not (goals.wishes or goals.lost or goals.parsed.links):
             problem = " ".join([f"Nothing in '{prompt}' can be changed.", *goals.parsed.notes])
-            why = VibeError(problem, 'Say what is to change, and how: "less fog", "the lamp dimmer".')
-            return StagedScenes(staged, understood, why)
+            return StagedScenes(staged, understood, VibeError(problem, sentences.SAY_WHAT))
     chosen = chosen_rig(goals, rig_table(), vocabulary, anew)
     if chosen and goes_on and _names_only_a_source(chosen.served):
         chosen = replace(chosen, rig=added_to_scene(chosen.rig))
     if chosen:
         rig = lighting(staged, goals.parsed, chosen, new_lights)
         return StagedScenes(rig.scenes, understood, goals, rig)
+    scenes = _with_needed(staged, goals, understood.scene, new_lights, goes_on)
+    return StagedScenes(scenes, understood, goals)
 
-    # No rig: lights and a backdrop that single words need
-    roles = {x.name: ADDED_LIGHTS[x.name].role for x in staged[0].standby.lights if x.name in _SPARE}
-    instances = dict(staged[0].instances)
-    names = missing_lights(goals, instances, understood.scene, roles) if new_lights else []
-    parts = asks_for_backdrop(goals, instances, understood.scene)
-    if parts and all(scene.may_have_backdrop for scene in staged):
-        staged = [scene.with_backdrop() for scene in staged]
-    staged = [scene.with_lights(names) if names else scene for scene in staged]
-    for n, scene in enumerate(staged if goes_on else ()):
+
+def _with_needed(
+    scenes: list[SceneData], goals: Goals, words: SceneDescription, new_lights: bool, goes_on: bool
+) -> list[SceneData]:
+    """The shots with the standby lights and the backdrop that single words need."""
+    roles = {x.name: ADDED_LIGHTS[x.name].role for x in scenes[0].standby.lights if x.name in _SPARE}
+    instances = dict(scenes[0].instances)
+    names = missing_lights(goals, instances, words, roles) if new_lights else []
+    parts = asks_for_backdrop(goals, instances, words)
+    if parts and all(scene.may_have_backdrop for scene in scenes):
+        scenes = [scene.with_backdrop() for scene in scenes]
+    scenes = [scene.with_lights(names) if names else scene for scene in scenes]
+    for n, scene in enumerate(scenes if goes_on else ()):
         # The added lights are off in the image that the sentence goes on from.
         power = {k: i for k, i in scene.instances.items() if i.owner in names and i.parameter.family == "light/power"}
         off = {key: replace(i, value=(OFF * i.reference,)) for key, i in power.items()}
-        staged[n] = replace(scene, instances={**scene.instances, **off})
-    return StagedScenes(staged, understood, goals)
+        scenes[n] = replace(scene, instances={**scene.instances, **off})
+    return scenes
 
 
 def _names_only_a_source(served: Iterable[Attribute]) -> bool:

@@ -8,6 +8,10 @@ from functools import partial
 from pathlib import Path
 from typing import Literal, NamedTuple
 
+from .errors import VibeError
+
+SAY_WHAT = 'Say what is to change, and how: "less fog", "the lamp dimmer".'
+"""The remedy for a further sentence that changes nothing."""
 _TABLES = tomllib.loads(Path(__file__).with_name("sentences.toml").read_text(encoding="utf-8"))
 
 
@@ -125,12 +129,17 @@ def adds_light(sentence: str) -> bool:
 def plain(sentence: str) -> PlainSentence:
     """A sentence in the form of a prompt, with the factor of its comparison.
 
+    Raises VibeError for a sentence that only describes the present image.
+
     >>> plain("And now twice as much fog")
     PlainSentence(text='more fog', factor=2.0, compared='more fog')
     >>> plain("brighten the lamp a bit").text
     'the lamp a bit brighter'
     """
-    text = _wish(_PATTERNS["start"].sub("", _PATTERNS["tail"].sub("", " ".join(sentence.split()))))
+    said = _PATTERNS["start"].sub("", _PATTERNS["tail"].sub("", " ".join(sentence.split())))
+    text = _wish(said)
+    if said and not text:
+        raise VibeError(f"'{sentence}' says how the image is, not what is to change.", SAY_WHAT)
     text = _rewritten(text, _COMPARING)
     for verb, comparative in _VERBS:
         text = verb.sub(partial(_compared, comparative), text)

@@ -194,6 +194,7 @@ class Retelling:
             for slot, words in thing.attributes.items():
                 thing.attributes[slot] = ", ".join(map(self.own, words.split(", ")))
         parsed.ignored = [self.own(text) for text in parsed.ignored]
+        parsed.absent = tuple(map(self.own, parsed.absent))
         parsed.guesses = {self.own(word): entry for word, entry in parsed.guesses.items()}
         parsed.notes = [_QUOTED.sub(lambda m: self.own(m[0]), text) for text in parsed.notes]
 

@@ -159,6 +159,7 @@ def read(
         names = ", ".join(key.partition("/")[2] or key for key in kept)
         parsed.notes.append(f"'{text}': {names or 'what no word names'} stays as it is.")
     undone = [" ".join(words) for words in found.wishes]
+    parsed.undone = bool(undone)
     if found.beyond:
         nothing = "no value of a material, light, world, fog or film gives that."
         parsed.notes.append(f"{_quoted(found.beyond)}: {nothing}")

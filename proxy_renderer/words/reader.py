@@ -99,7 +99,7 @@ def read_words(
             read.absent.add(number)
     texts = lacking.items()
     read.lacking = [f"{', '.join(w)}: there is no '{noun}' in the scene; not used." for noun, w in texts]
-    parsed.notes += read.lacking
+    parsed.notes, parsed.absent = [*parsed.notes, *read.lacking], (*lacking,)
     # What each word says
     for number, pair in enumerate(chosen):
         said, token = _attributes_of(read, number), pair.look.token
@@ -131,7 +131,10 @@ def _unknown(read: PromptReading) -> Iterator[str]:
 def _main_first(
     ranked: list[tuple[TargetPair, float]], pairs: PromptPairs, scene: SceneDescription
 ) -> list[TargetPair]:
-    """Pairs, the likeliest first; of two materials called by one noun that are about as likely, the larger: a scooter's paint, not its seat."""
+    """Pairs, the likeliest first.
+
+    Of two materials that one noun names and that are about as likely, the larger one comes first: a scooter's paint, not its seat.
+    """
     first, best = ranked[0]
     found = [pair for pair, _ in ranked]
     if first.target.kind != "things" or first.target.mention < 0:

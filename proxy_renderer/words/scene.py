@@ -155,7 +155,8 @@ class SceneIndex:
         """What words may name: its kind, the names of materials or lights, and the signs by which they were found."""
         worn, groups = self.words.object_materials, self.words.groups
         sources = {"material": self._materials, "object": self._objects, "group": self._groups}
-        for source, ways in ((source, self._ways(said, names)) for source, names in sources.items()):
+        fitting = {source: self._ways(said, names) for source, names in sources.items()}
+        for source, ways in fitting.items():
             surest = best(ways.values())
             # "duck" does not mean the duck's head alone
             theirs = {part for o, way in ways.items() if way == surest for part in self._parts.get(o, ())}
@@ -183,7 +184,7 @@ class SceneIndex:
         yield "lights", [name for name, way in lamps.items() if way == surest], (f"light {surest}",)
         glows = self._ways(said, {name: self._materials[name] for name in self.words.glows})
         yield "lights", [GLOW + name for name in glows], (f"glow {best(glows.values())}",)
-        shown = self._ways(said, self._objects)
+        shown = fitting["object"]
         lit = [name for name in self.words.glows if any(name in worn[thing] for thing in shown)]
         yield "lights", [GLOW + name for name in lit], (f"glow on object {best(shown.values())}",)
 

@@ -229,6 +229,8 @@ class Parsed:
     # misspelled word -> the known word, or the name in the scene, that it was taken for
     guesses: dict[str, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)  # on how the prompt was read, a sentence each
+    absent: tuple[str, ...] = ()  # nouns of look words that name nothing in the scene
+    undone: bool = False  # whether some of it asks to add, move or remove objects
     protected: tuple[str, ...] = ()  # owners that are to stay: "material/Plaster", "light/Key", "world"
     links: tuple[SaidLink, ...] = ()  # what it says of the objects that lights light
     words: tuple[PromptWord, ...] = ()  # its look words and what is left out, in the order of the text

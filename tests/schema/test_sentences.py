@@ -3,6 +3,7 @@
 
 import pytest
 
+from proxy_renderer.schema import VibeError
 from proxy_renderer.schema.sentences import about_steps, plain
 
 
@@ -150,3 +151,8 @@ def test_a_look_is_no_sentence_about_steps(sentence):
 )
 def test_what_is_left_of_a_sentence_is_as_prompts_say_it(sentence, text, factor):
     assert plain(sentence)[:2] == (text, factor)
+
+
+def test_a_sentence_that_only_describes_the_image_is_refused():
+    with pytest.raises(VibeError, match="says how the image is"):
+        plain("fog is good, the green isn't")
