@@ -19,6 +19,7 @@ from .resolve import Goals, resolved
 from .wish import Wish, wishes_of
 
 _OF = re.compile(r"\b(?:for|on|of|to) (?:the|her|his|its|this|that) (?:\w+ ){0,2}?(\w+)(?=$|[,;.]| instead\b)", re.I)
+_NOUN = r"\b(?:the|her|his|its|my|these|those) (?:\w+ )?{}\b"  # an ignored word that can only be a noun
 _BARE = ("more", "less", "a bit more", "a bit less", "much more", "much less")
 _SIDES = ("front", "back", "rear", "side", "behind")
 _OF_SOMETHING = ("stronger", "weaker")  # comparatives that say nothing without a noun
@@ -78,18 +79,33 @@ def _why_not(attribute: Attribute, goals: Goals) -> str:
         return "the sentence does not name what there is to be more or less of"
     if attribute.word in _SIDES:  # "front" of "front car" is no light
         return "it names no light: write 'light from the front'"
-    if attribute.slot == "setting" and f"the {attribute.word.split()[-1]}" in goals.parsed.prompt.lower():
-        return "it says where in the image, not how it is to look"  # "between the trees"
+    if attribute in _places(goals):
+        return "it says where in the image, not how it is to look"
     if attribute.owners or attribute.lights or attribute.role:
         return ""
     if goals.parsed.undone:
         return "it is of something that would have to be added"
     unnamed = attribute.kind == "subject" and attribute.thing.lower() not in goals.parsed.prompt.lower()
-    needs_noun = unnamed or attribute.word.split()[-1] in _OF_SOMETHING
-    absent = [noun for noun in _OF.findall(goals.parsed.prompt) if noun.lower() in goals.parsed.ignored]
-    absent += [noun for noun in goals.parsed.ignored if thing_words().get(noun)]
-    absent += goals.parsed.absent
-    return f"there is no '{absent[0]}' in the scene" if needs_noun and absent else ""
+    absent = _absent(goals)
+    text = goals.parsed.prompt.lower()
+    of_absent = any(f"{noun} {attribute.word.lower()}" in text for noun in absent)  # "the pot warmer"
+    needs_noun = unnamed or of_absent or attribute.word.split()[-1] in _OF_SOMETHING
+    return f"there is no '{absent[0]}' in the scene" if absent and needs_noun else ""
+
+
+def _places(goals: Goals) -> list[Attribute]:
+    """Words of a sentence that only name a place of the image: "trees" in "between the trees", "rock" in "green on the rock"."""
+    text = goals.parsed.prompt.lower()
+    settings = (a for a in goals.parsed.attributes if a.slot == "setting" and f"the {a.word.split()[-1]}" in text)
+    nouns = {noun.lower() for noun in _OF.findall(text)}
+    return [*settings, *(a for a in goals.parsed.attributes if a.slot == "material" and not a.owners and a.word in nouns)]
+
+
+def _absent(goals: Goals) -> list[str]:
+    """The nouns of a sentence that the scene has nothing for: "screens" in "let the screens glow"."""
+    text = goals.parsed.prompt.lower()
+    unread = [noun for noun in goals.parsed.ignored if thing_words().get(noun) or re.search(_NOUN.format(noun), text)]
+    return [*unread, *(a.word for a in _places(goals)), *goals.parsed.absent]
 
 
 def _fixture(attribute: Attribute, scene: SceneDescription) -> tuple[str, ...]:

@@ -76,7 +76,7 @@ class Weights:
     border: float = 0.5  # subject on the image's border
     claims: float = 0.5  # misses of claims, in noticeable steps
     prior: float = 0.5  # pull of values that no word names to the artist's
-    hue: float = 2.0  # pull of a color's components to one place in their ranges
+    hue: float = 10.0  # pull of a color's components to one place in their ranges
 
 
 class Guidance(Protocol):

@@ -14,10 +14,11 @@ from .light_levels import Range, Sources, kelvin_color, radiance, watts
 _BLACKEST, _WHITEST = 0.006, 0.85  # linear reflectance: hardly any real surface reflects less, or more
 _BLACK = 0.02  # linear component up to which a backdrop is black
 _MOOD = 0.6  # factor on a tint that light, air and film share: objects keep some color of their own
-_LESS, _MORE = (0.65, -0.1), (1.35, 0.15)
-"""Lower and upper end of a surface's range: factor on the named color's display components, and what is added to them. The range
+_SURFACE = (0.65, -0.1), (1.35, 0.15)
+"""Lower and upper end of a surface's range: factor on the named color's largest display component, and what is added to it. The range
 is wide: claims find the color in it that looks as named under the scene's light and view."""
-_GLOW = (0.8, 0.0), (1.0, 0.1)  # as `_LESS` and `_MORE`, for the color of a glow, whose strength is separate
+_GLOW = (0.8, 0.0), (1.0, 0.1)  # as `_SURFACE`, for the color of a glow, whose strength is separate
+_PALER = -0.1, 0.15  # share of the way to gray by which the ends of such a range are paler
 _STEP = 0.6  # luminance of a color that is clearly darker than another, as a share of the other's
 OWN_COLOR = ("base_color", "tint")  # parameters that hold a material's color
 
@@ -32,11 +33,17 @@ def named_color(effect: Effect, attribute: Attribute, instance: Instance, source
 def color_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
     """The range that an effect with a color asks for; not clipped."""
     if named := named_color(effect, attribute, instance, sources):
-        # All colors that may look as named in some light: darker or lighter, purer or paler
+        # All colors of its hue that may look as named in some light: darker or lighter, purer or paler
         shown = [max(v, 0.0) ** (1 / 2.2) for v in named]
-        ends = _GLOW if instance.parameter.name == "emission_color" else (_LESS, _MORE)
-        lower, upper = (tuple(max(a * v + b, 0.0) ** 2.2 for v in shown) for a, b in ends)
-        return lower, tuple(min(u, max(v, _WHITEST)) for u, v in zip(upper, named, strict=True))
+        most, cap = max(*shown, 1e-3), max(*named, _WHITEST) ** (1 / 2.2)
+        ends = _GLOW if instance.parameter.name == "emission_color" else _SURFACE
+        tops = [min(max(a * most + b, 0.0), cap) for a, b in ends]
+        colors = ([top / most * v for v in shown] for top in tops)
+        lower, upper = (
+            tuple(max(v + pale * (top - v), 0.0) ** 2.2 for v in color)
+            for color, top, pale in zip(colors, tops, _PALER, strict=True)
+        )
+        return lower, upper
     srgb = _color_of(effect, attribute, sources)
     if effect.mode == "shown" and instance.parameter.kind == "scalar":
         return _shown_strength(srgb, instance, sources)
@@ -234,7 +241,8 @@ def _plain(effect: Effect, strength: float, instance: Instance, _: Sources) -> R
 def _times(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
     """Multiples of the artist's value; for an increase, a value near 0 counts as a small one, so that it can grow."""
     scalar, logs = instance.parameter.kind == "scalar", instance.parameter.scale.name == "log"
-    least = tuple(10 * v for v in instance.lower) if logs else tuple(0.01 * v for v in instance.upper)
+    ends = zip(instance.lower, instance.upper, strict=True)
+    least = tuple(a * (b / a) ** 0.2 if logs else 0.01 * b for a, b in ends)  # of a light's power ten times its lower bound
     floor = least if scalar else (0.0,) * len(instance.value)
     value = tuple(map(max, instance.value, floor)) if effect.lower[0] > 1 else instance.value
     low = tuple(v * a**strength for v, a in zip(value, _spread(effect.lower, instance), strict=True))

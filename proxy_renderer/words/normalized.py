@@ -32,6 +32,7 @@ _MOST_WORDS = 4  # words of a value; more are a sentence of their own
 _AND = re.compile(r"\s*(?:,|\band\b|\bor\b)\s*")
 _JOINER = re.compile(r"(\s*\b(?:and|or|nor)\b\s*)")
 _CLAUSE = re.compile(r"[,.;:!]|\b(?:and|but|with|while)\b")
+_TWO_SIDES = re.compile(r"\b(?:from|on|at) one side\b(.*?)\b(?:from|on|at) the other\b(?: side| one)?", re.IGNORECASE)
 _LAMPLIGHT = "lamplight"  # the rig of a room that one of its lamps lights
 _MOST_OF_A_LIGHT = 3  # words of a light's name
 
@@ -72,6 +73,7 @@ def normalized(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> No
         short = len(value.split()) <= _MOST_WORDS
         return f"{value} {key}" if short and key in vocabulary.nouns else pair[0]
 
+    text = _TWO_SIDES.sub(r"from the left\1from the right", text)
     for alone in vocabulary.made(_sole_lights):
         text = alone.sub(_sole_light, text)
     text = _KELVINS.sub(_kelvins, _CLOCK.sub(_hour, _PAIR.sub(sentence, text.replace("’", "'"))))

@@ -152,10 +152,13 @@ def read(
     )
     parsed, found = reading.parsed, reading.pairs.passage
     parsed.prompt = glossed.prompt
-    parsed.protected = tuple(dict.fromkeys(key for _, kept in normal.protections for key in kept))
+    # of "darker sky, but leave the mountains", the world is not among what lies around
+    spoken_of = {"world"} if any(a.kind == "sky" for a in parsed.attributes) else set()
+    protections = [(text, [key for key in kept if key not in spoken_of]) for text, kept in normal.protections]
+    parsed.protected = tuple(dict.fromkeys(key for _, kept in protections for key in kept))
     parsed.links = tuple(normal.links)
     parsed.notes += normal.notes
-    for text, kept in normal.protections:
+    for text, kept in protections:
         names = ", ".join(key.partition("/")[2] or key for key in kept)
         parsed.notes.append(f"'{text}': {names or 'what no word names'} stays as it is.")
     undone = [" ".join(words) for words in found.wishes]

@@ -5,6 +5,7 @@ from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 
 from ..schema import VibeError
 from ..schema.parameters import Region
@@ -87,6 +88,7 @@ def read_words(
     row = [
         _in_its_light(pair, each, pairs.mentions, phrases, vocabulary) for pair, each in zip(row, ranked, strict=True)
     ]
+    row = _alike_in_pairs(row, ranked)
     chosen, unused = with_choices(row, targets or {}, english or {}, scene, vocabulary)
     objects = AbsentObjects(pairs, scene, vocabulary)
     subject, parsed, passage = objects.subject or scene.subject, Parsed(text), pairs.passage
@@ -175,6 +177,17 @@ def _in_its_light(
     if not numbers or named_here or not (may_be or (target.kind == "none" and not is_a_name)):
         return pair
     return next((other for other in pairs if other.target.kind == "light"), pair)
+
+
+def _alike_in_pairs(row: list[TargetPair], ranked: list[list[TargetPair]]) -> list[TargetPair]:
+    """Pairs of look words; of two colors that "and" joins, both are the light's if one is: "cyan and magenta light"."""
+    found = list(row)
+    for n, (first, second) in enumerate(pairwise(row)):
+        joined = second.look.index == first.look.index + 2 and first.look.token.color and second.look.token.color
+        lit = [pair.target.kind == "light" for pair in (first, second)]
+        if joined and sum(lit) == 1 and row[other := n + lit[0]].target.mention < 0:
+            found[other] = next((p for p in ranked[other] if p.target.kind == "light"), row[other])
+    return found
 
 
 def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
