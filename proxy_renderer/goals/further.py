@@ -98,7 +98,10 @@ def _places(goals: Goals) -> list[Attribute]:
     text = goals.parsed.prompt.lower()
     settings = (a for a in goals.parsed.attributes if a.slot == "setting" and f"the {a.word.split()[-1]}" in text)
     nouns = {noun.lower() for noun in _OF.findall(text)}
-    return [*settings, *(a for a in goals.parsed.attributes if a.slot == "material" and not a.owners and a.word in nouns)]
+    return [
+        *settings,
+        *(a for a in goals.parsed.attributes if a.slot == "material" and not a.owners and a.word in nouns),
+    ]
 
 
 def _absent(goals: Goals) -> list[str]:
@@ -229,10 +232,12 @@ def _mixed(present: Values, named: Values, share: float) -> Values:
 
 
 def _toned_down(present: Values, named: Values, share: float) -> Values:
-    """A color, sRGB, without a share of what it has of another hue, in OKLab."""
+    """A color, sRGB, without a share of what it has of another hue, in OKLab; a color of about that hue only gets grayer."""
     light, a, b = oklab_from_srgb(present)
     _, x, y = oklab_from_srgb(named)
     along = max(a * x + b * y, 0.0) / max(x * x + y * y, 1e-9)
+    if along * math.hypot(x, y) > _ALIKE * math.hypot(a, b):
+        return srgb_from_oklab((light, (1.0 - share) * a, (1.0 - share) * b))
     return srgb_from_oklab((light, a - share * along * x, b - share * along * y))
 
 

@@ -164,7 +164,8 @@ def _warmth(wish: Wish) -> int:
 def _ruled_out(color: Wish, wish: Wish) -> bool:
     """True if a named color rules out another wish: in front of a purple background a forest is not green."""
     kind = color.attribute.kind
-    if (wish.implied or wish.usual) and _impossible(color, wish.quantity, wish.toward):
+    of_style = wish.vague and wish.quantity == "saturation"  # "film noir" with orange lamps is not gray
+    if (wish.implied or wish.usual or of_style) and _impossible(color, wish.quantity, wish.toward):
         return True
     if wish.attribute.color:
         return wish.implied and kind == wish.attribute.kind

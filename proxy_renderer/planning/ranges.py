@@ -18,7 +18,7 @@ _SURFACE = (0.65, -0.1), (1.35, 0.15)
 """Lower and upper end of a surface's range: factor on the named color's largest display component, and what is added to it. The range
 is wide: claims find the color in it that looks as named under the scene's light and view."""
 _GLOW = (0.8, 0.0), (1.0, 0.1)  # as `_SURFACE`, for the color of a glow, whose strength is separate
-_PALER = -0.1, 0.15  # share of the way to gray by which the ends of such a range are paler
+_PALER = -0.25, 0.15  # share of the way to gray by which the ends of such a range are paler
 _STEP = 0.6  # luminance of a color that is clearly darker than another, as a share of the other's
 OWN_COLOR = ("base_color", "tint")  # parameters that hold a material's color
 
@@ -242,7 +242,9 @@ def _times(effect: Effect, strength: float, instance: Instance, _: Sources) -> R
     """Multiples of the artist's value; for an increase, a value near 0 counts as a small one, so that it can grow."""
     scalar, logs = instance.parameter.kind == "scalar", instance.parameter.scale.name == "log"
     ends = zip(instance.lower, instance.upper, strict=True)
-    least = tuple(a * (b / a) ** 0.2 if logs else 0.01 * b for a, b in ends)  # of a light's power ten times its lower bound
+    least = tuple(
+        a * (b / a) ** 0.2 if logs else 0.01 * b for a, b in ends
+    )  # of a light's power ten times its lower bound
     floor = least if scalar else (0.0,) * len(instance.value)
     value = tuple(map(max, instance.value, floor)) if effect.lower[0] > 1 else instance.value
     low = tuple(v * a**strength for v, a in zip(value, _spread(effect.lower, instance), strict=True))

@@ -65,7 +65,8 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary, anew: bool
     if not setups and len(gels) < 2 and not (lights or directed or lamps or added):
         return None
     parts = {light.part for light in lights} | added | ({"practical"} if lamps else set())
-    build = _Build(_first(setups, gels, lights, parts, table), table, vocabulary)
+    colored = any(a.color or ((m := table.modifier(a.entry)) and m.kelvin) for a in (*of_lights, *gels))
+    build = _Build(_first(setups, gels, lights, parts, table), table, vocabulary, colored)
     for attribute in setups:
         build.take_setup(attribute)
     build.describe(lights)
@@ -112,12 +113,13 @@ def _first(
 class _Build:
     """A rig while words change it."""
 
-    def __init__(self, first: Rig, table: RigTable, vocabulary: Vocabulary) -> None:
+    def __init__(self, first: Rig, table: RigTable, vocabulary: Vocabulary, names_light_colors: bool) -> None:
         self.first, self.rig, self.table, self.vocabulary = first, first, table, vocabulary
         self.words: dict[str, Asked] = {}
         self.served: list[Attribute] = []
         self._colored = 0
         self._in_a_mood = False
+        self.names_light_colors = names_light_colors  # if so, moods bring no colored lights of their own
         self._turned: set[tuple[str, ...]] = set()  # groups of parts that a word has given a direction
 
     def take_setup(self, attribute: Attribute) -> None:
@@ -142,7 +144,7 @@ class _Build:
         elif other.kind in _STYLED.get(self.first.kind, ()):
             self.rig, asked = in_a_style(self.rig, other), (("key",), ("contrast", "rest"))
         elif other.kind == "mood" and self.first.kind in (*TIMES, "place"):
-            self.rig = self.rig if self._in_a_mood else in_a_mood(self.rig, other)
+            self.rig = self.rig if self._in_a_mood else in_a_mood(self.rig, other, edges=not self.names_light_colors)
             self._in_a_mood, asked = True, (EDGES, ("rim", "color"))
         else:
             return

@@ -78,10 +78,10 @@ def in_a_style(rig: Rig, style: Rig) -> Rig:
     return replace(rig, **darker, exposure=exposure, grade=(*rig.grade, *style.grade))
 
 
-def in_a_mood(rig: Rig, mood: Rig) -> Rig:
-    """An hour, a weather or a place with the sky, the fill, the air and the colored edges of a mood: "gloomy noon"."""
+def in_a_mood(rig: Rig, mood: Rig, edges: bool) -> Rig:
+    """An hour, a weather or a place with the sky, the fill, the air and, if wanted, the colored `edges` of a mood: "gloomy noon"."""
     parts = {light.part for light in rig.lights}
-    edges = tuple(light for light in mood.lights if light.color and light.part in EDGES)
+    colored = [light for light in mood.lights if light.color and light.part in EDGES] if edges else []
     return replace(
         rig,
         world=_mixed(rig.world, mood.world),
@@ -91,7 +91,7 @@ def in_a_mood(rig: Rig, mood: Rig) -> Rig:
         air=max((air for air in (rig.air, mood.air) if air is not None), default=None),
         exposure=_mixed(rig.exposure, mood.exposure) or 0.0,
         grade=(*rig.grade, *mood.grade),
-        lights=(*rig.lights, *(light for light in edges if light.part not in parts)),
+        lights=(*rig.lights, *(light for light in colored if light.part not in parts)),
     )
 
 

@@ -88,7 +88,7 @@ def read_words(
     row = [
         _in_its_light(pair, each, pairs.mentions, phrases, vocabulary) for pair, each in zip(row, ranked, strict=True)
     ]
-    row = _alike_in_pairs(row, ranked)
+    row = _alike_in_pairs(row, ranked, vocabulary)
     chosen, unused = with_choices(row, targets or {}, english or {}, scene, vocabulary)
     objects = AbsentObjects(pairs, scene, vocabulary)
     subject, parsed, passage = objects.subject or scene.subject, Parsed(text), pairs.passage
@@ -179,14 +179,22 @@ def _in_its_light(
     return next((other for other in pairs if other.target.kind == "light"), pair)
 
 
-def _alike_in_pairs(row: list[TargetPair], ranked: list[list[TargetPair]]) -> list[TargetPair]:
-    """Pairs of look words; of two colors that "and" joins, both are the light's if one is: "cyan and magenta light"."""
+def _alike_in_pairs(row: list[TargetPair], ranked: list[list[TargetPair]], vocabulary: Vocabulary) -> list[TargetPair]:
+    """Pairs of look words, where two neighbors describe one thing.
+
+    Of two colors that "and" joins, both are the light's if one is: "cyan and magenta light". A color before a substance is that
+    substance's: "gray stone" without a stone colors no light.
+    """
     found = list(row)
     for n, (first, second) in enumerate(pairwise(row)):
-        joined = second.look.index == first.look.index + 2 and first.look.token.color and second.look.token.color
-        lit = [pair.target.kind == "light" for pair in (first, second)]
-        if joined and sum(lit) == 1 and row[other := n + lit[0]].target.mention < 0:
+        apart = second.look.index - first.look.index
+        lit = [pair.target.kind == "light" and pair.target.mention < 0 for pair in (first, second)]
+        if not first.look.token.color:
+            continue
+        if apart == 2 and second.look.token.color and sum(lit) == 1 and row[other := n + lit[0]].target.mention < 0:
             found[other] = next((p for p in ranked[other] if p.target.kind == "light"), row[other])
+        elif apart == 1 and lit[0] and vocabulary.slot(second.look.token.entry) == "material":
+            found[n] = next((p for p in ranked[n] if p.target.kind == second.target.kind), first)
     return found
 
 

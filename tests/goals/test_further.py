@@ -15,7 +15,8 @@ from proxy_renderer.goals import written
 from proxy_renderer.goals.further import further
 from proxy_renderer.goals.resolve import goals_of
 from proxy_renderer.rigs.chosen import chosen_rig
-from proxy_renderer.schema import sentences
+from proxy_renderer.planning.planner import plan
+from proxy_renderer.schema import FAMILIES, Instance, sentences
 from proxy_renderer.words.lexicon.rigs import rig_table
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
 from proxy_renderer.words.parser import parse
@@ -184,7 +185,6 @@ def test_the_color_of_a_light_moves_with_its_words():
         ("brushed steel for the deck", "deck"),
         ("let the screens glow a little green", "screens"),
         ("mossier green on the rock", "rock"),
-        ("the hubcap warmer", "hubcap"),
     ],
 )
 def test_a_look_without_its_object_is_left_out(sentence, noun):
@@ -283,3 +283,17 @@ def test_the_ends_of_a_further_claim_count_from_the_image():
     assert claim.miss(torch.tensor([10.0 + 3.0 * step]), before) == 0.0
     assert claim.miss(before, before) == pytest.approx(2.0)
     assert not claim.was_so(before, before)
+
+
+def test_the_sky_is_not_kept_where_the_sentence_changes_it():
+    scene = SceneDescription(objects={"Hill": "surroundings"}, materials={"Rock": "surroundings"})
+    assert "world" in parse("darker, but leave the background as it is", scene).protected
+    assert "world" not in parse("darker sky, but leave the background as it is", scene).protected
+
+
+@pytest.mark.parametrize("kelvins", [2200.0, 2800.0, 4000.0, 9000.0])
+def test_a_lamp_a_bit_cooler_is_one_step_cooler(kelvins):
+    lamp = Instance(FAMILIES["light/temperature"], "Key", (kelvins,), role="key")
+    plan_ = plan(step("the key a bit cooler"), {lamp.key: lamp}, ROOM)
+    lower, upper = plan_[lamp.key].lower[0], plan_[lamp.key].upper[0]
+    assert 1.1 * kelvins < lower <= upper < 1.3 * kelvins

@@ -315,3 +315,13 @@ def test_blacks_are_shadows_and_no_color_of_the_image(phrase: str) -> None:
 def test_a_black_that_is_said_of_nothing_does_not_tint_the_light() -> None:
     goals = goals_of(parse("soft light, deep black", SceneDescription()))
     assert not any(wish.attribute.color for wish in goals.wishes)
+
+
+def test_a_style_that_is_gray_gives_way_to_named_colors_and_a_gray_image_does_not():
+    def is_gray(prompt):
+        wishes = goals_of(parse(prompt, ROOM, VOCABULARY)).wishes
+        return any(c.measure == "chroma" and c.upper[0] < 10.0 for wish in wishes for c in wish.claims)
+
+    assert is_gray("film noir")
+    assert not is_gray("film noir, red vase")
+    assert is_gray("black and white, red vase")

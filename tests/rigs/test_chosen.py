@@ -34,13 +34,14 @@ def _names(pair: tuple[Rig, Rig]) -> str:
 @pytest.mark.parametrize("pair", _PAIRS, ids=_names)
 def test_a_mood_colors_an_hour_and_keeps_its_key(pair):
     hour, mood = pair
-    both = in_a_mood(hour, mood)
+    both = in_a_mood(hour, mood, edges=True)
     assert both.lights[0] == hour.lights[0]
     assert both.own == hour.own
     for name in ("world", "sky", "exposure"):
         assert _between(getattr(both, name), getattr(hour, name), getattr(mood, name))
     assert set(hour.grade) <= set(both.grade)
     assert len({light.part for light in both.lights}) == len(both.lights)
+    assert in_a_mood(hour, mood, edges=False).lights == hour.lights
 
 
 @pytest.mark.parametrize("hour", _KINDS["time"], ids=lambda rig: rig.name)

@@ -66,6 +66,25 @@ def test_each_light_has_its_color_on_its_side(form, first, colors, scene):
     assert found.lights[0].part == "key"
 
 
+@pytest.mark.parametrize("scene", [SceneDescription(), KITCHEN], ids=["no names", "kitchen"])
+@pytest.mark.parametrize(
+    "prompt",
+    ["teal light from one side and pink from the other", "split lighting, teal and pink", "teal and pink neon light"],
+)
+def test_two_colors_that_are_joined_are_two_lights(prompt, scene):
+    assert sorted(sides(rig(prompt, scene)).values()) == [-1.0, 1.0]
+
+
+def test_a_color_of_a_substance_that_is_not_there_colors_no_light():
+    scene = SceneDescription(objects={"Tree": "subject"}, materials={"Bark": "subject"})
+    assert not any(light.color for light in rig("golden backlight, rough gray stone", scene).lights)
+
+
+def test_a_mood_brings_no_colored_edges_beside_lights_of_named_colors():
+    assert {"rim", "kicker"} <= {light.part for light in rig("whimsical autumn afternoon").lights}
+    assert not any(light.color for light in rig("whimsical autumn afternoon, golden backlight").lights)
+
+
 @pytest.mark.parametrize("noun", ["rim", "rim light", "kicker", "backlight"])
 @pytest.mark.parametrize("side", SIDES)
 def test_an_edge_stands_behind_on_its_side_and_leaves_the_scene_lit_as_it_is(noun, side):

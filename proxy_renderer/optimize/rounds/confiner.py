@@ -85,10 +85,10 @@ class Confiner:
         vector, plan = self.vector, Plan({**advice.plan, **here.turned}, advice.plan.notes)
         ranges = feasible_ranges(plan, vector.instances, vector.values(u))
         if here.opening:
-            # Ranges that words name open, but not those of finishes: with a wider range a finish would not be what its word says.
+            # Ranges that words name open, but not those of materials: in a wider range a finish is not what its word says, and a
+            # color has another hue.
             parameters = {key: vector.instances[key].parameter for key in plan}
-            finishes = {k for k, p in parameters.items() if p.group == "material" and p.kind != "color"}
-            named = {key for key, entry in plan.items() if entry.is_named and not entry.usual} - finishes
+            named = {k for k, e in plan.items() if e.is_named and not e.usual and parameters[k].group != "material"}
             measured = {f"film/{c.measure}" for c in claims if c.word and c.part == "picture"}
             whole = [key for key in named if parameters[key].family in measured]
             share = torch.where(vector.mark(named), here.opening, 0.0).masked_fill(vector.mark(whole), math.inf)
