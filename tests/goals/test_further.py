@@ -14,8 +14,8 @@ from proxy_renderer.color.floats import oklab_from_srgb
 from proxy_renderer.goals import written
 from proxy_renderer.goals.further import further
 from proxy_renderer.goals.resolve import goals_of
-from proxy_renderer.rigs.chosen import chosen_rig
 from proxy_renderer.planning.planner import plan
+from proxy_renderer.rigs.chosen import chosen_rig
 from proxy_renderer.schema import FAMILIES, Instance, sentences
 from proxy_renderer.words.lexicon.rigs import rig_table
 from proxy_renderer.words.lexicon.vocabulary import shipped_vocabulary
