@@ -312,7 +312,8 @@ def _with_own_materials(
     for (mine, text), (material, its) in itertools.product(named, shared.items()):
         theirs = [thing for thing in its if thing in mine and (material, thing) not in done]
         # a material with the object's name is meant itself, for all objects that wear it
-        if not theirs or mine.issuperset(its) or fit(parts(text), parts(material), vocabulary):
+        named_so = any(fit(parts(name), parts(material), vocabulary) for name in (text, *theirs))
+        if not theirs or mine.issuperset(its) or named_so:
             continue
         done |= {(material, thing) for thing in theirs}
         found = _copies(material, theirs, scene)

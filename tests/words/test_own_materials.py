@@ -55,6 +55,17 @@ def test_a_part_with_a_look_of_its_own_is_no_part_of_the_whole():
     assert said["mustard"] == {"couch", "couch.001"}
 
 
+def test_a_material_that_is_named_after_the_object_is_the_objects_own():
+    worn = {"Coat": 0.2, "Lapel": 0.05}
+    scene = SceneDescription(
+        objects=dict.fromkeys(worn, "subject"),
+        materials={"Coat Wool": "subject"},
+        object_materials=dict.fromkeys(worn, ("Coat Wool",)),
+        looks={"Coat Wool": MaterialLook((0.2, 0.3, 0.4), share=0.25, worn=worn)},
+    )
+    assert painted("mustard jacket", scene) == painted("mustard coat", scene) == {"mustard": {"Coat", "Lapel"}}
+
+
 def test_an_object_that_is_left_out_keeps_what_it_shares():
     assert painted("everything white but the couch")["white"].isdisjoint({"couch", "couch.001"})
 
