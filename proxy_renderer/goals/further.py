@@ -47,6 +47,8 @@ def further(
     originals = goals.parsed.attributes
     attributes = [_as_light(each, _fixture(each, scene), vocabulary) for each in originals]
     compared = [a for a in attributes if not a.cause and compares(a, (), vocabulary)]
+    # "less yellow, more like rose gold" asks for rose gold
+    named = {a.owners for a in attributes if a.slot in ("color", "material") and a not in compared and not a.cause}
     # of "half as red, more contrast" the red
     first = next((a for a in compared if text.startswith(a.word)), None)
     said, wishes, notes = list[Attribute](), list[Wish](), list(goals.parsed.notes)
@@ -58,7 +60,9 @@ def further(
         if attribute in compared:
             own_factor = factor if first in (None, attribute) else 0.0
             noun = next((a for a in attributes if _is_noun_of(a, attribute)), None)
-            if attribute.color:
+            if attribute.less and attribute.color and attribute.owners in named:
+                mine = []
+            elif attribute.color:
                 mine = [*_recolored(attribute, vocabulary, scene, own_factor)]
             else:
                 mine = [*_compared(attribute, vocabulary, own_factor, noun)]

@@ -297,3 +297,7 @@ def test_a_lamp_a_bit_cooler_is_one_step_cooler(kelvins):
     plan_ = plan(step("the key a bit cooler"), {lamp.key: lamp}, ROOM)
     lower, upper = plan_[lamp.key].lower[0], plan_[lamp.key].upper[0]
     assert 1.1 * kelvins < lower <= upper < 1.3 * kelvins
+
+
+def test_a_named_color_wins_over_less_of_the_present_one():
+    assert {wish.word for wish in step("vase less yellow, more like rose gold").wishes} == {"rose gold"}
