@@ -81,14 +81,7 @@ def read_words(
     weights = shipped_weights() if weights is None else weights
     pairs = reading(text, scene, vocabulary, foreign)
     phrases = light_phrases(pairs.passage, vocabulary, rig_table())
-    ranked = [_main_first(likeliest(each, weights), pairs, scene) for each in pairs.pairs]
-    row = [each[0] for each in ranked]
-    if all(pair.target.kind == "none" for pair in row):  # then each word describes something, if it can
-        row = [next((p for p in each if p.target.kind != "none"), each[0]) for each in ranked]
-    row = [
-        _in_its_light(pair, each, pairs.mentions, phrases, vocabulary) for pair, each in zip(row, ranked, strict=True)
-    ]
-    row = _alike_in_pairs(row, ranked, vocabulary)
+    row = _likeliest_pairs(pairs, phrases, scene, vocabulary, weights)
     chosen, unused = with_choices(row, targets or {}, english or {}, scene, vocabulary)
     objects = AbsentObjects(pairs, scene, vocabulary)
     subject, parsed, passage = objects.subject or scene.subject, Parsed(text), pairs.passage
@@ -117,6 +110,28 @@ def read_words(
     parsed.ignored += [*(w for words in passage.wishes for w in words), *passage.beyond, *_unknown(read)]
     parsed.guesses |= {item.text: item.guess for item in passage.items if item.scene and item.guess}
     return read
+
+
+def _likeliest_pairs(
+    pairs: PromptPairs,
+    phrases: Mapping[int, tuple[int, ...]],
+    scene: SceneDescription,
+    vocabulary: Vocabulary,
+    weights: Mapping[str, float],
+) -> list[TargetPair]:
+    """The likeliest pair of each look word, corrected where the word describes a light or shares a noun with its neighbor.
+
+    Args:
+        phrases: Index of a look word -> numbers of the descriptions of lights that it is in.
+    """
+    ranked = [_main_first(likeliest(each, weights), pairs, scene) for each in pairs.pairs]
+    row = [each[0] for each in ranked]
+    if all(pair.target.kind == "none" for pair in row):  # then each word describes something, if it can
+        row = [next((p for p in each if p.target.kind != "none"), each[0]) for each in ranked]
+    row = [
+        _in_its_light(pair, each, pairs.mentions, phrases, vocabulary) for pair, each in zip(row, ranked, strict=True)
+    ]
+    return _alike_in_pairs(row, ranked, vocabulary)
 
 
 def _unknown(read: PromptReading) -> Iterator[str]:
