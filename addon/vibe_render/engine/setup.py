@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Python environment of the engine: finds it, or sets it up with a build of torch for this computer. No bpy here."""
+"""The engine's Python environment: finds it, or sets it up with a build of torch for this computer. No bpy here."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Opens the scenes that the command line names and saves them elsewhere; lists the shots of a vibe, which share a look."""
+"""Opens the scenes that the command line names, saves copies of them; lists the shots of a vibe, which share a look."""
 
 import argparse
 from collections.abc import Callable, Iterator
@@ -21,8 +21,8 @@ from ..scene.steps import Change
 from ..scene.subject import SubjectChoice
 from .arguments import Reporter
 
-# Where Blender is a Python module, fluid simulations abort it or write caches next to the scene. There they are switched
-# off while a file is open. A row: names of object and modifier; whether the artist shows it in viewport and in renders.
+# Fluid simulations that are switched off while a file is open, where Blender is a Python module: there they abort it or
+# write caches next to the scene. Each: object's name, modifier's name, shown in the viewport, shown in renders.
 _fluids: list[tuple[str, str, bool, bool]] = []
 
 
@@ -196,7 +196,7 @@ class ShotList:
                 self._fog[shot.scene] = planned
 
     def show(self, number: int) -> SceneJob:
-        """Sets a shot's camera and frame, and returns its job; first opens and prepares its .blend if another is open."""
+        """Sets a shot's camera and frame, and returns its job; opens and prepares its .blend if it is not open."""
         shot = self.shots[number]
         is_open = self._open == shot.scene
         scene, choice = self._shown(number)

@@ -172,7 +172,7 @@ class HeadlessVibe(Driver):
     def _finish_shot(self, number: int, result: messages.Result) -> Generator[str]:
         """Writes the result into a shot's scene, renders and saves the scene; the engine measures the render."""
         args, shots, out = self._args, self._shots, self._out
-        # Of several shots in a .blend, the first writes the values and the last saves it, unless each has its own grade.
+        # Of the shots in a .blend, the first writes the values and the last saves it, unless each has its own grade.
         analysis, siblings = shots.show(number).analysis, shots.siblings(number)
         if args.grade_each or number == siblings[0]:
             values = self._values(number, result)
@@ -224,8 +224,8 @@ class HeadlessVibe(Driver):
     def _values(self, number: int, result: messages.Result) -> dict[str, Any]:
         """Key -> value to write into a shot's scene: the values of all shots of the same .blend.
 
-        With `--grade-each`, parameters of the film (grade, exposure) are this shot's own: its new values, or those that its
-        scene had.
+        With `--grade-each`, parameters of the film (grade, exposure) are this shot's own: its new values, or those that
+        its scene had.
         """
         if not result.shots:
             return result.values
@@ -273,8 +273,8 @@ class HeadlessVibe(Driver):
 
 def run_one(vibe: HeadlessVibe, queue: list[Any]) -> SceneAnalysis:
     """Runs a vibe as `HeadlessVibe.run`; Ctrl-C ends its search early and empties `queue`, the list of later work."""
-    # Python runs signal handlers only between its own instructions, so not while Cycles renders. Therefore signal numbers
-    # are written to a socket, which a thread reads.
+    # Python runs signal handlers only between its own instructions, so not while Cycles renders. Therefore signal
+    # numbers are written to a socket, which a thread reads.
     reading, writing = socket.socketpair()
     writing.setblocking(False)
     for number in (signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGBREAK", None)):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A look as assets for Blender's Asset Browser: materials, world, light rig, grade and fog, in a .blend of their own."""
+"""A look as assets for Blender's Asset Browser: materials, world, light rig, grade and fog, in their own .blend."""
 
 from __future__ import annotations
 

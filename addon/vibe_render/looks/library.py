@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The preset library: the presets that come with Vibe Render, and the artist's own in the user's Blender folder.
 
-A preset is NAME.json with an image NAME.jpg next to it. Functions raise VibeError if a file cannot be read or written, if
-a preset is broken, or if a shipped preset is to be changed.
+A preset is NAME.json with an image NAME.jpg next to it. Functions raise VibeError if a file cannot be read or written,
+if a preset is broken, or if a shipped preset is to be changed.
 """
 
 from __future__ import annotations

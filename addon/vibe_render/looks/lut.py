@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The grade as a .cube file for other programs: a table of how the node group Vibe Grade changes each color.
 
-Input and output colors are display-referred: sRGB, Rec.709 primaries. In between the grade's formula works on linear
-light (see `scene/nodes/grade.py`). Vignette and bloom are left out, because they depend on more than the color. The view
-transform is left out too: the file matches the compositor on images that were rendered with the view Standard.
+Input and output colors are display-referred: sRGB, Rec.709 primaries. In between, the grade's formula works on linear
+light (see `scene/nodes/grade.py`). Vignette and bloom are left out, because they depend on more than the color. The
+view transform is left out too: the file matches the compositor on images that were rendered with the view Standard.
 
 Colors below black and above white are not clipped in the file. Programs interpolate between its colors and clip the
 result. Near black, this is closer to the grade than interpolation between clipped colors.

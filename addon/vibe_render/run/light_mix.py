@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A light mix of the open scene: renders the light layers, mixes them, writes the mix to the scene or its compositor."""
+"""A light mix of the open scene: renders and mixes the light layers, writes the mix to the scene or its compositor."""
 
 import shutil
 import uuid
