@@ -55,7 +55,7 @@ class Engine:
         return self._process is not None and self._process.poll() is None
 
     def start(self) -> None:
-        """Starts the process if it does not run; its first message is `Ready`. Any thread may call this."""
+        """Starts the process if it does not run; the process first sends `Ready`. Any thread may call this."""
         with self._start_lock:
             if self.alive:
                 return
@@ -131,7 +131,7 @@ class Engine:
                 self._abandoned, self._abandoned_at = True, time.monotonic()
 
     def settle(self) -> bool:
-        """Drops messages of an abandoned request; True if the next request may be sent. Ends an engine that hangs."""
+        """Drops messages of an abandoned request; returns True if the next one may be sent. Ends a hanging engine."""
         while self._abandoned:
             try:
                 item = self._inbox.get_nowait()

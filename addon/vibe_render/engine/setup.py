@@ -127,7 +127,7 @@ def suggested() -> str:
 
 
 def has_nvidia_card(root: Path = Path("/")) -> bool:
-    """True on Linux with a card that NVIDIA's own driver runs; others cannot run CUDA. `root`: of the file system."""
+    """True on Linux with a card that NVIDIA's own driver runs: other drivers lack CUDA. `root`: the root folder."""
     cards = (root / "proc/driver/nvidia/gpus").glob("*")
     return any(cards) or (root / "usr/lib/wsl/lib/libcuda.so.1").is_file()  # in WSL
 
@@ -231,7 +231,7 @@ class EngineSetup:
         self._run("Looking for packages", *pip, *self._packages)
 
     def _run(self, text: str, *command: object) -> None:
-        """Runs a command; shows `text`, then the progress in its output, in the panel. Raises VibeError if it fails."""
+        """Runs a command; the panel shows `text`, then the progress in its output. Raises VibeError if it fails."""
         if self._canceled:
             raise schema.VibeError("Canceled.", _AGAIN)
         self.text, self.fraction = text, None

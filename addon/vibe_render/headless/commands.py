@@ -73,7 +73,7 @@ def run(args: Namespace, reporter: Reporter) -> None:
 
 
 def go_on(args: Namespace, sentence: str, reporter: Reporter, engine: Engine, shown: Path | None = None) -> None:
-    """Runs a further sentence; `shown`: a render of the previous step, or None. Raises VibeError without a look."""
+    """Runs a further sentence; raises VibeError if the scene has no look. `shown`: the last step's render, or None."""
     scene, _, _ = open_scene(args, reporter)
     steps = Steps.of(scene)
     if not snapshot.exists(scene):

@@ -216,7 +216,7 @@ class ShotList:
         self._framing.restore()
 
     def _shown(self, number: int) -> tuple[bpy.types.Scene, SubjectChoice]:
-        """Opens a shot's .blend if necessary, sets camera and frame; returns scene and subject's choice."""
+        """Opens a shot's .blend if necessary, sets camera and frame; returns the scene and its subject's choice."""
         shot = self.shots[number]
         opens = self._framing is None or self._open != shot.scene
         if opens:

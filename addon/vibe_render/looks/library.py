@@ -157,7 +157,7 @@ def _read(path: Path, _time: int, _size: int) -> Look:
 def save_preset(look: preset.Preset, picture: Path | None = None, instead: Path | None = None) -> Look:
     """Adds a preset, and the JPEG `picture` if there is one, to the artist's own presets; returns it as it is stored.
 
-    If another preset has the name, it gets a number. The file `instead`, if given, may be overwritten.
+    The preset gets a number if another one has its name. The file `instead`, if given, may be overwritten.
     """
     place = preset_folder()
     with contextlib.suppress(OSError):  # writing a file there reports the reason

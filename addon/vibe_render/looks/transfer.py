@@ -79,7 +79,7 @@ def role_owners(scene: SceneParameters, role: str) -> list[str]:
 
 
 def camera_azimuth(scene: SceneParameters) -> float:
-    """The camera's azimuth in degrees, to which azimuths of lights in presets are relative; 0.0 if it has none."""
+    """The camera's azimuth in degrees, to which azimuths of lights in presets are relative; 0.0 if there is none."""
     instance = scene.instances.get("camera/azimuth")
     return instance.value[0] if instance else 0.0
 
@@ -106,7 +106,7 @@ def _kind(light: str) -> str:
 
 
 def _entry(scene: SceneParameters, group: str, owner: str, values: _Values) -> preset.Entry:
-    """Parameter name -> value of one material or light (or of `owner` ""), divided by its reference in the scene."""
+    """Parameter name -> changed value of a material, a light or (`owner` "") a group, divided by its reference."""
     entry = {}
     for name in (p.name for p in schema.PARAMETERS if p.group == group):
         key = schema.FAMILIES[f"{group}/{name}"].key(owner)
@@ -161,7 +161,7 @@ def _words(role: str) -> str:
 
 
 def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entry, kinds: list[str]) -> None:
-    """Adds to `result`, for a role that the scene lacks, values of a new light (unless it is dark) or a note."""
+    """Adds to `result`, for a role that the scene lacks, values of a new light, unless dark, or a line in `rest`."""
     ours = prepare.OURS.get(role, "")
     entry = _for_light(entry, kinds[0], prepare.LIGHT_TYPE) if ours else entry
     if "power" not in entry or ours in bpy.data.objects:

@@ -107,7 +107,7 @@ def _channels(scene: Scene, layers: Sequence[LightLayer]) -> list[MixChannel]:
 
 
 def mixed_values(values: Mapping[str, schema.Values], color: Color) -> dict[str, tuple[float, ...]]:
-    """Key -> value with which a channel's light is multiplied by `color`; `values`: the channel's powers and colors.
+    """The new values of a channel, by key, that multiply its light by `color`; `values`: its old powers and colors.
 
     Powers are multiplied by the color's largest component, colors by the color divided by that component.
     """

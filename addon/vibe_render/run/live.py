@@ -107,7 +107,7 @@ class Live(SceneSession):
             self._engine.abandon()
 
     def _run(self) -> Generator[str]:
-        """Endless steps: waits for words, exports the scene if the export is stale, requests a look."""
+        """Waits for words, exports the scene if the export is stale, requests a look, and so on; yields the stage."""
         while True:
             self.stage = ""
             while not self._due or time.monotonic() < self._due:
@@ -150,7 +150,7 @@ class Live(SceneSession):
 
 
 class WordReadings:
-    """The newest readings of a prompt: how the engine understands each of its words in this scene.
+    """The newest readings of the prompt: how the engine understands each of its words in this scene.
 
     The engine reads the scene from `live`, the job folder that Live has exported. If that is None (missing or stale),
     the engine reads a sketch: an export with bounding boxes in place of meshes, made anew after a change of the scene.

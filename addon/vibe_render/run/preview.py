@@ -30,7 +30,7 @@ KEY = "vibe_preview"  # custom property of a scene: the journal that takes its p
 def show(
     scene: Scene, values: Mapping[str, Sequence[float]], subject: Sequence[Object], pivot: Sequence[float]
 ) -> None:
-    """Shows values, by key, in place of an earlier preview. After an error, as of `bindings.write`, none is shown."""
+    """Shows values, by key, in place of an earlier preview; raises as `bindings.write`, and then shows no preview."""
     _take_away(scene)
     journal = Journal()
     try:

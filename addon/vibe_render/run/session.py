@@ -28,7 +28,7 @@ from .driver import ANCHORING, Driver
 
 READING = "Reading the scene"
 PAUSING = (READING, ANCHORING)  # stages that block Blender; the larger the scene, the longer
-_READ_WITHIN = 20.0  # seconds to read a prompt; if it takes longer, it counts as describing everything
+_READ_WITHIN = 20.0  # seconds to read a prompt; one that takes longer counts as describing everything
 SILENT = 30.0  # seconds without a message from the engine, after which the panel says so
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts that panels share: wrapped text, durations and sizes in words, icons of images, colors, redrawing, timers."""
+"""Parts that panels share: wrapped text, durations and sizes in words, icons of images and colors, timers."""
 
 from __future__ import annotations
 

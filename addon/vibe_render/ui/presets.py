@@ -23,7 +23,7 @@ _SHOWN = 5  # most lines that are shown on values that did not fit
 
 
 class VibePresets(bpy.types.PropertyGroup):
-    """The fields of the preset panel; they belong to the window."""
+    """The fields of the preset panel, kept in the window manager, not in the scene."""
 
     search: StringProperty(
         name="Search", description="Words of a preset's name or prompt", options={"TEXTEDIT_UPDATE", "SKIP_SAVE"}

@@ -86,7 +86,7 @@ class VibeValue(bpy.types.PropertyGroup):
 
 
 class VibeValues(bpy.types.PropertyGroup):
-    """The rows of the list; they belong to the window, not to the file."""
+    """The rows of the list, kept in the window manager, not in the scene."""
 
     rows: CollectionProperty(type=VibeValue)
     active: IntProperty(options={"SKIP_SAVE"})
