@@ -48,7 +48,7 @@ class RenderedMix:
     """The light layers of the scene's newest render: one channel for each."""
 
     def __init__(self, scene: Scene) -> None:
-        """Renders the scene with Cycles. Raises VibeError if it has no light, or the disk is full."""
+        """Renders the scene with Cycles; raises VibeError if the scene has no light, or the disk is full."""
         self.uid = scene.session_uid
         self._folder = Path(bpy.app.tempdir) / f"vibe-mix-{uuid.uuid4().hex[:8]}"
         self._folder.mkdir()

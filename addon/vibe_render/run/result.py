@@ -26,7 +26,8 @@ def apply(
     """Writes a result into the scene and lists the changed values; a failure leaves the scene as it was.
 
     After an earlier vibe that was not kept, the old values in the list are still the artist's own, to which Revert goes
-    back. `change` is the effect of a further sentence on the steps; None for a first prompt.
+    back. `change` is the effect of a further sentence on the steps; None for a first prompt. `subject` and `pivot` are as
+    for `bindings.instances`.
     """
     settings = scene.vibe
     current = bindings.read(scene, subject, pivot)
@@ -128,7 +129,7 @@ def keyframe(scene: bpy.types.Scene) -> list[str]:
 
 
 def keep(scene: bpy.types.Scene) -> None:
-    """Makes the values the artist's own; there is nothing to revert to afterwards."""
+    """Makes the result's values the artist's own; there is nothing to revert to afterwards."""
     settings = scene.vibe
     if settings.show_original:
         settings.show_original = False

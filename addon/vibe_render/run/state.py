@@ -15,7 +15,7 @@ from .session import Session
 
 
 class AddonState:
-    """The engine, the session (one vibe) that runs or ran last, Live, and the light mix."""
+    """The engine, the session (one vibe) that runs or ran last, Live (looks while one types), and the light mix."""
 
     def __init__(self) -> None:
         self.session: Session | None = None  # the newest; its images stay until the next one, Keep or Revert
@@ -48,7 +48,7 @@ class AddonState:
         return self.live.job if self.live and self.live.scene == scene.name else None
 
     def end_live(self) -> None:
-        """Ends Live; the scene is as it was."""
+        """Ends Live, and takes its look out of the scene."""
         if self.live:
             self.live.close()
         self.live = None
