@@ -26,8 +26,8 @@ def apply(
     """Writes a result into the scene and lists the changed values; a failure leaves the scene as it was.
 
     After an earlier vibe that was not kept, the old values in the list are still the artist's own, to which Revert goes
-    back. `change` is the effect of a further sentence on the steps; None for a first prompt. `subject` and `pivot` are as
-    for `bindings.instances`.
+    back. `change` is the effect of a further sentence on the steps; None for a first prompt. `subject` and `pivot` are
+    as for `bindings.instances`.
     """
     settings = scene.vibe
     current = bindings.read(scene, subject, pivot)
