@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vibe Render without a window: the same file for Blender and for the `vibe` command.
+"""Runs Vibe Render without a window: as a script inside Blender, or as a program for the `vibe` command.
 
     blender -b shot.blend --python-exit-code 1 --python batch.py -- --prompt "misty, cool" --out DIR
     python batch.py --events run shot.blend --prompt "misty, cool" --out DIR     (with the bpy package)
@@ -30,7 +30,7 @@ from vibe_render.headless.arguments import Reporter, parse
 
 
 def main() -> int:
-    """Runs the command line; returns the exit code."""
+    """Runs the command line; returns the exit code: 0, 2 after a mistake of the user, 1 after an unexpected error."""
     # Blender runs this file with the arguments after "--".
     arguments = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
     reporter = Reporter(events="--events" in arguments)
@@ -52,7 +52,7 @@ def main() -> int:
 
 
 def _end(status: list[int]) -> None:
-    """Ends the process without Blender's exit handlers, where Blender is a Python module.
+    """Where Blender is a Python module, ends the process with code `status[0]`, without Blender's exit handlers.
 
     The handlers of Blender 4.5 may wait forever for one of their own threads (seen with bpy 4.5.15 on Linux).
     """

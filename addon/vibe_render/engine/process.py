@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The engine, as Blender sees it: a process that exchanges NUL-delimited JSON. No bpy here."""
+"""Starts and ends the engine, the process that runs the search; talks to it in NUL-delimited JSON. No bpy here."""
 
 from __future__ import annotations
 
@@ -28,23 +28,25 @@ _Item: TypeAlias = messages.Message | schema.VibeError | None  # None: the engin
 
 
 class Engine:
-    """The engine's process, which keeps running between vibes and ends with Blender; `python` is as for `find_python`.
+    """The engine's process, which keeps running between vibes and ends with Blender.
 
-    Methods raise a VibeError if it is not found, cannot be started, has another schema, reports an error or has ended.
+    `python`: as `chosen` of `find_python`. `cache`: the folder of the engine's cache; None for the user's usual one.
+    `listener`: a thread calls it with each stage and progress message. Methods raise a VibeError if the engine is not
+    found, cannot be started, has another schema, reports an error or has ended.
     """
 
     def __init__(self, python: str = "", cache: Path | None = None, listener: _Listener | None = None) -> None:
         self._choice = python
-        self._listener = listener  # a thread calls it with every stage and progress message, also while Blender is busy
-        self._variables = {"VIBE_CACHE": str(cache)} if cache else {}  # else the user's usual folder
+        self._listener = listener  # called also while Blender is busy
+        self._variables = {"VIBE_CACHE": str(cache)} if cache else {}
         self.log = errors.log_folder() / f"vibe-engine-{os.getpid()}.log"
         self._process: subprocess.Popen[bytes] | None = None
         self._inbox: queue.Queue[_Item] = queue.Queue()
         self._readings: queue.Queue[messages.Readings] = queue.Queue()
         self._busy = False  # the engine works on a request
-        self._abandoned = False  # nobody waits for its answer any more
+        self._abandoned = False  # the request was given up: its answer is dropped
         self._abandoned_at = 0.0
-        self._exit_error: schema.VibeError | None = None  # raised in every thread
+        self._exit_error: schema.VibeError | None = None  # of an unexpected end; raised in every thread
         self._exit_lock, self._start_lock, self._send_lock = (threading.Lock() for _ in range(3))
 
     @property
@@ -53,7 +55,7 @@ class Engine:
         return self._process is not None and self._process.poll() is None
 
     def start(self) -> None:
-        """Starts the process if it does not run; its first message is `Ready`. Any thread may call this."""
+        """Starts the process if it does not run; the process first sends `Ready`. Any thread may call this."""
         with self._start_lock:
             if self.alive:
                 return
@@ -88,7 +90,7 @@ class Engine:
             raise self._report_exit() from error
 
     def poll(self) -> list[messages.Message]:
-        """The messages that have arrived since the last call, or the error that the engine reports; never waits."""
+        """Messages since the last call, except `Readings`; never waits. Raises an error that the engine reports."""
         arrived: list[messages.Message] = []
         while True:
             try:
@@ -113,7 +115,7 @@ class Engine:
             arrived.append(item)
 
     def poll_readings(self) -> messages.Readings | None:
-        """The newest `Readings` since the last call, or None; `poll` does not return them."""
+        """The newest `Readings` (how a prompt's words are understood) since the last call; None if none has arrived."""
         newest = None
         while not self._readings.empty():
             newest = self._readings.get_nowait()
@@ -129,7 +131,7 @@ class Engine:
                 self._abandoned, self._abandoned_at = True, time.monotonic()
 
     def settle(self) -> bool:
-        """Drops messages of an abandoned request; returns whether the next one may be sent. Ends a hanging engine."""
+        """Drops messages of an abandoned request; returns True if the next one may be sent. Ends a hanging engine."""
         while self._abandoned:
             try:
                 item = self._inbox.get_nowait()
@@ -161,7 +163,7 @@ class Engine:
                 return
 
     def _report_exit(self) -> schema.VibeError:
-        """The error to raise when the process has ended unexpectedly; always the same one."""
+        """The error to raise after the process has ended unexpectedly; the same object at each call."""
         with self._exit_lock:
             if self._exit_error:
                 return self._exit_error
@@ -181,7 +183,7 @@ class Engine:
             return self._exit_error
 
     def _receive(self, stream: BinaryIO, inbox: queue.Queue[_Item]) -> None:
-        """Sorts arriving messages into inbox and readings until the output ends; then puts None into the inbox."""
+        """Puts `Readings` from `stream` into `_readings`, other messages into `inbox`; None into `inbox` at the end."""
         try:
             with stream:
                 for message in messages.read(stream):

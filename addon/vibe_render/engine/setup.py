@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Python environment of the engine: finds it, or sets it up with a build of torch for this computer. No bpy here."""
+"""The engine's Python environment: finds it, or sets it up with a build of torch for this computer. No bpy here."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from ..core.schema_import import schema
 
 _ADDON = Path(__file__).resolve().parents[1]
 ENVIRONMENT_VARIABLE = "VIBE_ENGINE"
-BUILT_FROM = _ADDON / "engine.txt"  # the path of the Python that built the extension, for the computer of the build
+BUILT_FROM = _ADDON / "engine.txt"  # has the path of the Python that built the extension, for the computer of the build
 CARRIED = _ADDON / "carried"  # the engine's code in a built extension; the environment has only the packages it needs
 _CLONE = _ADDON.parents[1]
 _NEEDED = ("torch", "open_clip", "trimesh", "PyOpenColorIO", "proxy_renderer")
@@ -44,7 +44,7 @@ _AGAIN = (
 
 
 def find_python(chosen: str = "") -> Path:
-    """The Python that has the engine: the one in `chosen`, if that is not ""; raises VibeError if there is none."""
+    """The engine's Python: in $VIBE_ENGINE, else `chosen`, else the usual places; raises VibeError if there is none."""
     chosen = os.environ.get(ENVIRONMENT_VARIABLE, "") or chosen
     if chosen:
         python = python_of(Path(chosen).expanduser())
@@ -93,7 +93,7 @@ def own_group() -> dict:
 
 
 def python_of(place: Path) -> Path | None:
-    """The Python at a path: an executable, or in an environment's folder or its bin folder; None if there is none."""
+    """The Python at `place`: that file, or the one in this environment or bin folder; None if there is none."""
     # Links are not resolved, because they lead out of the environment.
     if place.is_file():
         return place
@@ -117,23 +117,23 @@ USUAL = TorchBuild("Usual", "", 0.3, 1.1)  # for Windows and macOS, for which Py
 
 
 def choices() -> dict[str, TorchBuild]:
-    """The builds that exist for this operating system, by key."""
+    """Key -> build of torch, for this operating system: "CPU" and "CUDA" on Linux, elsewhere "USUAL"."""
     return {"CPU": CPU, "CUDA": CUDA} if sys.platform == "linux" else {"USUAL": USUAL}
 
 
 def suggested() -> str:
-    """The key of the build that suits this computer."""
+    """The key of the build, among `choices`, that suits this computer."""
     return list(choices())[-1 if has_nvidia_card() else 0]
 
 
 def has_nvidia_card(root: Path = Path("/")) -> bool:
-    """True if this is Linux with a card that NVIDIA's own driver runs; other drivers cannot run CUDA."""
+    """True on Linux with a card that NVIDIA's own driver runs: other drivers lack CUDA. `root`: the root folder."""
     cards = (root / "proc/driver/nvidia/gpus").glob("*")
     return any(cards) or (root / "usr/lib/wsl/lib/libcuda.so.1").is_file()  # in WSL
 
 
 def download_text(build: TorchBuild, folder: Path) -> list[str]:
-    """A description of a build's download: from where, how large it is, where it goes, and whether it suits this computer."""
+    """Lines for the artist on a build's download: its source, its size, its folder, and its fit to this computer."""
     source = f"torch from {urlsplit(build.index).netloc}, the rest from" if build.index else "from"
     lines = [
         f"Python packages, {source} {_INDEX}: about {build.download} GB to download, once.",
@@ -149,7 +149,7 @@ def download_text(build: TorchBuild, folder: Path) -> list[str]:
 
 
 def requirements() -> list[str]:
-    """The engine's requirements for pip; raises VibeError in a clone: only a built extension carries the engine's code."""
+    """The engine's requirements, as arguments of pip; raises VibeError in a clone, which does not carry their file."""
     try:
         lines = (CARRIED / "requirements.txt").read_text(encoding="utf-8").splitlines()
     except OSError as error:
@@ -159,17 +159,20 @@ def requirements() -> list[str]:
 
 
 class EngineSetup:
-    """Makes an environment in a thread. A failure or `cancel` leaves nothing behind, and an older environment unchanged."""
+    """Makes the engine's Python environment in `folder`, in a thread; `packages` are arguments of pip.
+
+    A failure or `cancel` leaves nothing behind, and an older environment in `folder` unchanged.
+    """
 
     def __init__(self, folder: Path, packages: list[str], build: TorchBuild) -> None:
         self.folder, self._packages, self._build = folder, packages, build
-        self._part = folder.with_name(f"{folder.name}.part")  # no engine is searched here
+        self._part = folder.with_name(f"{folder.name}.part")  # a folder in which `find_python` does not look
         self.text = "Starting"  # the present step, for the panel
         self.fraction: float | None = None  # of the present download, from 0 to 1; None while there is none
         self._process: subprocess.Popen[str] | None = None
         self._canceled = False
         atexit.register(self.cancel)
-        # Its result raises VibeError if the environment could not be made, or if `cancel` was called.
+        # `work.result()` raises VibeError if the environment could not be made, or if `cancel` was called.
         self.work: Future[None] = background.begin(self._make)
 
     def cancel(self) -> None:
@@ -211,7 +214,7 @@ class EngineSetup:
             atexit.unregister(self.cancel)
 
     def _install(self) -> None:
-        """Installs the packages, torch first where it comes from another index."""
+        """Installs the packages; first torch, if it comes from an index of its own."""
         pip = (python_of(self._part), "-m", "pip", "--disable-pip-version-check", "--no-input", "install")
         with contextlib.suppress(schema.VibeError):  # an older pip only reports less progress
             self._run("Updating pip", *pip, "--upgrade", "pip")
@@ -228,7 +231,7 @@ class EngineSetup:
         self._run("Looking for packages", *pip, *self._packages)
 
     def _run(self, text: str, *command: object) -> None:
-        """Runs a command to its end and takes `text` and `fraction` from its output."""
+        """Runs a command; the panel shows `text`, then the progress in its output. Raises VibeError if it fails."""
         if self._canceled:
             raise schema.VibeError("Canceled.", _AGAIN)
         self.text, self.fraction = text, None
@@ -259,7 +262,7 @@ class EngineSetup:
 
 
 def _replace(folder: Path, part: Path) -> None:
-    """Puts a finished environment in the place of an older one."""
+    """Moves the finished environment `part` to `folder`, in place of an older one."""
     old = folder.with_name(f"{folder.name}.old")
     shutil.rmtree(old, ignore_errors=True)
     if folder.exists():
@@ -269,7 +272,7 @@ def _replace(folder: Path, part: Path) -> None:
 
 
 def _python() -> Path:
-    """The Python to make the environment with: Blender's own, or one on the PATH."""
+    """The Python to make the environment with: Blender's own, or one on the PATH; raises VibeError if there is none."""
     names = [sys.executable, *(shutil.which(f"python{major}.{minor}") for major, minor in _VERSIONS)]
     probe = f"import sys, ensurepip, venv; sys.exit(sys.version_info[:2] not in {_VERSIONS})"
     for name in filter(None, names):
@@ -287,7 +290,7 @@ def _environment() -> dict[str, str]:
 
 
 def _failure(text: str, lines: collections.deque[str]) -> schema.VibeError:
-    """The error for a failed command, from the last lines of its output."""
+    """The error for a failed command, which `text` names, from the last `lines` of its output."""
     output = "\n".join(lines)
     if "No space left" in output:
         return schema.VibeError("There is not enough room on the disk.", "Make room, then try again.")

@@ -81,13 +81,13 @@ def _parser() -> argparse.ArgumentParser:
 
 
 class Reporter:
-    """Prints plain lines, or with `events` lines `VIBE {json}` for the `vibe` command; `doing` is the present stage."""
+    """Prints a run's progress: plain lines, or, with `events`, lines `VIBE {json}` for the `vibe` command."""
 
     def __init__(self, events: bool) -> None:
         self._events = events
         self._start = time.monotonic()
         self._round = 0
-        self.doing = "starting"
+        self.doing = "starting"  # the present stage
 
     def stage(self, name: str) -> None:
         """Reports a new stage."""
@@ -110,12 +110,12 @@ class Reporter:
             self._print({"type": "progress", **asdict(message)}, line)
 
     def result(self, lines: list[str], stopped: bool = False, missing: Sequence[str] = ()) -> None:
-        """Reports lines on the result; as an event, also whether Ctrl-C ended the search early, and words not visible."""
+        """Reports lines on the result; an event also has `stopped` (by Ctrl-C) and `missing`, the words not visible."""
         event = {"type": "result", "lines": lines, "stopped": stopped, "missing": list(missing)}
         self._print(event, "\n".join(lines))
 
     def error(self, error: schema.VibeError) -> None:
-        """Reports an error."""
+        """Reports an error: as an event, or else on the standard error."""
         if self._events:
             unexpected = isinstance(error, errors.UnexpectedError)
             event = {"type": "error", "message": error.message, "remedy": error.remedy}

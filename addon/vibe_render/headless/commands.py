@@ -44,7 +44,7 @@ _STEPS = 3  # images of the strip for each interval between two moments
 
 
 def run(args: Namespace, reporter: Reporter) -> None:
-    """Runs a vibe or moments, if requested, and then further sentences (`--then`), with an engine of its own."""
+    """Runs a vibe or moments (looks at several frames), if requested, and then the further sentences (`--then`)."""
     engine = Engine(args.engine, listener=reporter.engine)
     engine.start()  # before the scene is opened: both load at the same time
     shown = None  # the newest render of the scene that is to be opened next
@@ -73,7 +73,7 @@ def run(args: Namespace, reporter: Reporter) -> None:
 
 
 def go_on(args: Namespace, sentence: str, reporter: Reporter, engine: Engine, shown: Path | None = None) -> None:
-    """Runs a further sentence; `shown` is the render of the previous step. Raises VibeError if the scene has no look."""
+    """Runs a further sentence; raises VibeError if the scene has no look. `shown`: the last step's render, or None."""
     scene, _, _ = open_scene(args, reporter)
     steps = Steps.of(scene)
     if not snapshot.exists(scene):
@@ -105,7 +105,7 @@ def go_on(args: Namespace, sentence: str, reporter: Reporter, engine: Engine, sh
 
 
 def _run_moments(args: Namespace, reporter: Reporter, engine: Engine) -> None:
-    """Finds the look of each moment, always starting from the artist's own scene, and writes all into one .blend.
+    """Finds the look of each moment (a frame), starting from the artist's own scene, and writes all into one .blend.
 
     Nothing is written if fewer than two moments are given, or if any vibe fails.
     """
@@ -188,7 +188,7 @@ def _write_moments(args: Namespace, reporter: Reporter, out: Outputs, found: lis
 
 
 def export(args: Namespace, reporter: Reporter) -> None:
-    """Writes a job folder of a scene, without changing the scene's file."""
+    """Exports a scene to the job folder `args.out`, without changing the scene's file."""
     scene, choice, _ = open_scene(args, reporter)
     reporter.stage("reading the scene")
     reading.export_scene(scene, args.out, choice, measure=not args.names_only)
@@ -196,7 +196,7 @@ def export(args: Namespace, reporter: Reporter) -> None:
 
 
 def apply(args: Namespace, reporter: Reporter) -> None:
-    """Puts a preset on a scene, renders it before and after, and saves it."""
+    """Applies a preset to a scene, renders the scene before and after, and saves it to the output folder."""
     look = library.preset_named(args.preset)
     with Outputs(args.out) as out:
         scene, choice, _ = open_scene(args, reporter)
@@ -219,7 +219,7 @@ def apply(args: Namespace, reporter: Reporter) -> None:
 
 
 def revert(args: Namespace, reporter: Reporter) -> None:
-    """Takes every vibe out of a .blend, which is written in place."""
+    """Reverts every vibe of a .blend, and saves the file in place."""
     if args.scene:
         open_blend(Path(args.scene))
     path = Path(bpy.data.filepath)
@@ -257,7 +257,7 @@ COMMANDS: dict[str, Callable[[Namespace, Reporter], None]] = {
 
 
 def serve() -> None:
-    """Runs command lines with one warm engine: a worker of `vibe batch`.
+    """Runs command lines, one after the other, with one engine that stays loaded; `vibe batch` starts such processes.
 
     Each line of the standard input is a command line of `batch.py`, as a JSON list, and is answered by a "result" or an
     "error" event. When the input ends, the process ends too: at most `_GRACE` seconds later if a command is running.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Opens the scenes that the command line names and saves them elsewhere; lists the shots of a vibe, which share a look."""
+"""Opens the scenes that the command line names, saves copies of them; lists the shots of a vibe, which share a look."""
 
 import argparse
 from collections.abc import Callable, Iterator
@@ -21,13 +21,13 @@ from ..scene.steps import Change
 from ..scene.subject import SubjectChoice
 from .arguments import Reporter
 
-# Where Blender is a Python module, fluid simulations abort it or write caches next to the scene. There they are switched
-# off as long as a file is open: object, modifier, shown in viewport, shown in renders.
+# Fluid simulations that are switched off while a file is open, where Blender is a Python module: there they abort it or
+# write caches next to the scene. Each: object's name, modifier's name, shown in the viewport, shown in renders.
 _fluids: list[tuple[str, str, bool, bool]] = []
 
 
 def open_scene(args: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.Scene, SubjectChoice, bool]:
-    """Opens or builds the scene; returns it, how its subject is chosen, and whether it is a mesh file on a built stage."""
+    """Opens or builds the scene; returns it, its subject's choice, and True if it is a mesh file on a built stage."""
     path = Path(args.scene).expanduser().absolute() if args.scene else None
     chosen = tuple(args.subject)
     if args.command == "demo":
@@ -43,7 +43,7 @@ def open_scene(args: argparse.Namespace, reporter: Reporter) -> tuple[bpy.types.
 
 
 def open_blend(path: Path) -> None:
-    """Opens a .blend without running its scripts.
+    """Opens a .blend without running its scripts; raises VibeError if it cannot.
 
     Where Blender is the module `bpy`, fluids are switched off first: there they would end the process or write caches.
     """
@@ -59,7 +59,7 @@ def open_blend(path: Path) -> None:
 
 
 def save_blend(path: Path) -> None:
-    """Saves a copy of the open file: relative paths are adapted to its folder, fluids are as the artist set them."""
+    """Saves a copy of the open file: relative paths fit the copy's folder, fluids are as the artist set them."""
     # Operators evaluate the scene before and after they run, so fluids are on only while the file is written.
     try:
         with _at("save_pre", lambda: _set_fluids(True)), _at("save_post", lambda: _set_fluids(False)):
@@ -70,7 +70,7 @@ def save_blend(path: Path) -> None:
 
 @contextmanager
 def _at(moment: str, act: Callable[[], None]) -> Iterator[None]:
-    """Calls a function inside the block at each event `moment` of `bpy.app.handlers`, such as "load_post"."""
+    """Calls `act` inside the block at each event `moment` of `bpy.app.handlers`, such as "load_post"."""
     handlers = getattr(bpy.app.handlers, moment)
     handler = bpy.app.handlers.persistent(lambda *_: act())  # opening a file removes other handlers
     handlers.append(handler)
@@ -89,7 +89,7 @@ def _switch_off() -> None:
 
 
 def _set_fluids(shown: bool) -> None:
-    """Sets the visibility of the listed fluids to what the artist had, or switches them off."""
+    """Gives the fluids in `_fluids` the visibility that the artist set, if `shown`, or else switches them off."""
     for name, modifier_name, viewport, renders in _fluids:
         obj = bpy.data.objects.get(name)
         if obj and (modifier := obj.modifiers.get(modifier_name)):
@@ -98,7 +98,7 @@ def _set_fluids(shown: bool) -> None:
 
 @dataclass(frozen=True)
 class RequestedShot:
-    """A shot that the command line asks for."""
+    """A shot that the command line requests: a scene, seen by a camera, at a frame."""
 
     scene: str  # a file; "" for the open one
     camera: str = ""  # a name; "" for the scene's active one
@@ -114,7 +114,7 @@ class Framing:
         self._markers = [(marker, marker.camera) for marker in scene.timeline_markers]
 
     def show(self, name: str = "", frame: int | None = None) -> None:
-        """Sets camera and frame, unless they are "" and None; raises VibeError if there is no such camera."""
+        """Sets the camera, unless `name` is "", and the frame, unless None; raises VibeError for an unknown camera."""
         scene, camera = self._scene, self._scene.objects.get(name)
         if name and (camera is None or camera.type != "CAMERA"):
             cameras = ", ".join(sorted(o.name for o in scene.objects if o.type == "CAMERA")) or "none"
@@ -129,7 +129,7 @@ class Framing:
             scene.camera = camera
 
     def restore(self) -> None:
-        """Sets camera, frame and markers as they were."""
+        """Sets camera, frame and camera markers as they were at first."""
         for marker, camera in self._markers:
             marker.camera = camera
         if self._scene.frame_current != self._frame:
@@ -139,7 +139,10 @@ class Framing:
 
 
 class ShotList:
-    """Every scene of a command line, through each camera, at each frame. One shot is open at a time."""
+    """The shots of a command line: every scene, through each camera, at each frame. One shot is open at a time.
+
+    `folder` gets the job folders. `change.values` are written into each scene that is opened.
+    """
 
     def __init__(self, args: argparse.Namespace, folder: Path, reporter: Reporter, change: Change) -> None:
         self._args, self._folder, self._reporter, self._change = args, folder, reporter, change
@@ -152,9 +155,9 @@ class ShotList:
             self.shots = [replace(self.shots[0], name="")]
         self.jobs: list[SceneJob] = []  # the exported job of each shot
         self.subjects: list[set[str]] = []  # for each shot, the names of the objects of its subject
-        self.bare = False  # whether the first shot is a mesh file, not a .blend
+        self.bare = False  # True if the first shot is a mesh file, not a .blend
         self.choice = SubjectChoice()  # how the subject of the open scene is chosen
-        self._open: str | None = None
+        self._open: str | None = None  # file of the open scene; None before the first
         self._framing: Framing | None = None
         self._fog: dict[str, fog.FogDomain] = {}
 
@@ -166,7 +169,7 @@ class ShotList:
         return [i for i, shot in enumerate(self.shots) if shot.scene == self.shots[number].scene]
 
     def export(self) -> None:
-        """Writes the job folders of all shots."""
+        """Exports every shot to a job folder; fills `jobs` and `subjects`."""
         for number, shot in enumerate(self.shots):
             scene, choice = self._shown(number)
             first = self.siblings(number)[0]
@@ -193,7 +196,7 @@ class ShotList:
                 self._fog[shot.scene] = planned
 
     def show(self, number: int) -> SceneJob:
-        """Sets a shot's camera and frame, and returns its job; first opens and prepares its .blend if another is open."""
+        """Sets a shot's camera and frame, and returns its job; opens and prepares its .blend if it is not open."""
         shot = self.shots[number]
         is_open = self._open == shot.scene
         scene, choice = self._shown(number)
@@ -213,7 +216,7 @@ class ShotList:
         self._framing.restore()
 
     def _shown(self, number: int) -> tuple[bpy.types.Scene, SubjectChoice]:
-        """Opens a shot's .blend if necessary, sets camera and frame; returns its scene and how the subject is chosen."""
+        """Opens a shot's .blend if necessary, sets camera and frame; returns the scene and its subject's choice."""
         shot = self.shots[number]
         opens = self._framing is None or self._open != shot.scene
         if opens:

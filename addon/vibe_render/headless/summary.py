@@ -11,23 +11,26 @@ from ..run.notes import CheckedFrame, frame_line, model_lines, steady_line, verd
 from ..scene.nodes.mix import PASS
 from .scenes import ShotList
 
-_SHOWN = 8
+_SHOWN = 8  # most changes that are listed
 
 
 def light_rows(file: str, layers: Sequence[LightLayer]) -> dict[str, dict[str, list[str]]]:
-    """File name -> pass name -> names of its lights, for a file of light layers; empty without layers."""
+    """File name -> pass name -> names of its lights, for a file of light layers (report.json); empty without any."""
     rows = {PASS + layer.name: [member.name for member in layer.members] for layer in layers}
     return {file: rows} if rows else {}
 
 
 def numbered(name: str, number: int) -> str:
-    """A file's name for one of several shots, from 0: "after.png", "after-2.png"."""
+    """The name of a shot's file; shots count from 0: "after.png" for 0, "after-2.png" for 1."""
     stem, _, kind = name.rpartition(".")
     return f"{stem}-{number + 1}.{kind}" if number else name
 
 
 def measurements(measured: Sequence[messages.Finished]) -> dict[str, Any]:
-    """Means of the shots' measurements, and the first shot's claims and verdicts; `delta_e` is of the shown prediction."""
+    """Fields of report.json: means of the shots' measurements, and the first shot's claims and verdicts.
+
+    "delta_e" is the mean CIEDE2000 of the prediction that was shown.
+    """
     rows = [each.prediction for each in measured]
     names = [name for name in rows[0] if all(name in row for row in rows)]
     prediction = {name: _mean([row[name] for row in rows]) for name in names}
@@ -43,7 +46,7 @@ def measurements(measured: Sequence[messages.Finished]) -> dict[str, Any]:
 
 
 def _mean(rows: Sequence[dict[str, float]]) -> dict[str, float]:
-    """The mean over the rows of each key that all rows have."""
+    """Key -> mean of its values in `rows`, for the keys that all rows have."""
     keys = [key for key in rows[0] if all(key in row for row in rows)]
     return {key: round(sum(row[key] for row in rows) / len(rows), 4) for key in keys}
 
@@ -55,7 +58,7 @@ def closing_lines(
     report: dict[str, Any],
     sequence: Sequence[CheckedFrame],
 ) -> list[str]:
-    """The lines to print at the end of a vibe: what report.json (`report`) says, and the frames that were checked."""
+    """The lines to print at the end of a vibe. `report`: content of report.json. `sequence`: the checked frames."""
     values = {k: v for k, v in result.values.items() if k not in report["not_written"]}
     notes = [*word_notes(report)[:6], *report["warnings"]]
     own = shot_list.jobs[0].before
@@ -79,7 +82,10 @@ def closing_lines(
 
 
 def change_lines(instances: dict[str, schema.Instance], values: dict[str, Any]) -> list[str]:
-    """A line for each visible change of a parameter, the largest on the perceptual scale first; at most `_SHOWN`."""
+    """A line for each visible change of a parameter, the largest on the perceptual scale first; at most `_SHOWN`.
+
+    `instances`: the parameters with their old values, by key. `values`: the new values, by key.
+    """
     rows = []
     for key, value in values.items():
         instance = instances.get(key)

@@ -34,11 +34,15 @@ from .scenes import ShotList, save_blend
 from .summary import numbered
 
 _SAMPLES_BEFORE = 16  # at most, of the render before the vibe, which only serves for comparison, and is denoised
-_PAUSE = 0.02  # seconds between two looks at the engine, which needs the core
+_PAUSE = 0.02  # seconds between two checks for the engine's messages: the engine needs the core
 
 
 class HeadlessVibe(Driver):
-    """One vibe of all shots of a command line; `shown` is an image of the scene to use as before.png, None to render it."""
+    """One vibe of all shots of a command line.
+
+    `change`: the effect of a further sentence on the steps; None for a first prompt. `shown`: an image of the scene to
+    copy as before.png; None to render it.
+    """
 
     def __init__(
         self,
@@ -61,7 +65,7 @@ class HeadlessVibe(Driver):
         self._measured: list[messages.Finished] = []
         self._skipped: dict[str, str] = {}  # key -> why its value was not written
         self._lights: dict[str, dict[str, list[str]]] = {}  # file name -> pass name -> names of its lights
-        self._unlit = False  # whether the first shot, the one of `Stage.lit`, renders black before the vibe
+        self._unlit = False  # True if the first shot, the one of `Stage.lit`, renders black before the vibe
 
     def run(self) -> SceneAnalysis:
         """Runs the vibe to its end; returns the analysis of the last shot, whose scene has the new values."""
@@ -120,13 +124,13 @@ class HeadlessVibe(Driver):
         )
 
     def _lap(self, name: str) -> None:
-        """Counts the seconds since the last call as time of this stage."""
+        """Adds the seconds since the last call to the duration of the stage `name`."""
         now = time.monotonic()
         self._seconds[name] = round(self._seconds.get(name, 0.0) + now - self._last_lap, 2)
         self._last_lap = now
 
     def _run(self) -> Generator[str]:
-        """The vibe's steps: the search for the look, then every shot with it."""
+        """The vibe's steps: the search for the look, then each shot is rendered and saved with the look."""
         self._shots.export()
         self._lap("open and export")
         several = len(self._shots) > 1
@@ -166,9 +170,9 @@ class HeadlessVibe(Driver):
             self._out.copy(messages.VARIANTS, Path(job.folder) / messages.VARIANTS)
 
     def _finish_shot(self, number: int, result: messages.Result) -> Generator[str]:
-        """Writes the values into a shot's scene, renders and saves it, while the engine measures it."""
+        """Writes the result into a shot's scene, renders and saves the scene; the engine measures the render."""
         args, shots, out = self._args, self._shots, self._out
-        # Of several shots in a .blend, the first writes the values and the last saves it, unless each has its own grade.
+        # Of the shots in a .blend, the first writes the values and the last saves it, unless each has its own grade.
         analysis, siblings = shots.show(number).analysis, shots.siblings(number)
         if args.grade_each or number == siblings[0]:
             values = self._values(number, result)
@@ -218,10 +222,10 @@ class HeadlessVibe(Driver):
         self._reporter.stage(f"checking frame {frame}")
 
     def _values(self, number: int, result: messages.Result) -> dict[str, Any]:
-        """The values to write into a shot's scene: those of all shots of the same .blend.
+        """Key -> value to write into a shot's scene: the values of all shots of the same .blend.
 
-        With `--grade-each`, parameters of the film (grade, exposure) are this shot's own: its new values, or those that its
-        scene had.
+        With `--grade-each`, parameters of the film (grade, exposure) are this shot's own: its new values, or those that
+        its scene had.
         """
         if not result.shots:
             return result.values
@@ -268,9 +272,9 @@ class HeadlessVibe(Driver):
 
 
 def run_one(vibe: HeadlessVibe, queue: list[Any]) -> SceneAnalysis:
-    """Runs a vibe as `HeadlessVibe.run`; Ctrl-C ends its search early, and empties `queue`, the work that was to follow."""
-    # Python runs signal handlers only between its own instructions, so not while Cycles renders. Therefore signal numbers
-    # are written to a socket, which a thread reads.
+    """Runs a vibe as `HeadlessVibe.run`; Ctrl-C ends its search early and empties `queue`, the list of later work."""
+    # Python runs signal handlers only between its own instructions, so not while Cycles renders. Therefore signal
+    # numbers are written to a socket, which a thread reads.
     reading, writing = socket.socketpair()
     writing.setblocking(False)
     for number in (signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGBREAK", None)):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A look as assets for Blender's Asset Browser: materials, world, light rig, grade and fog, in a .blend of their own."""
+"""A look as assets for Blender's Asset Browser: materials, world, light rig, grade and fog, in their own .blend."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from . import thumbnail
 
 CATALOG_FILE = "blender_assets.cats.txt"
 _VERSION = "VERSION 1"
-_SPACE = uuid.UUID("5b1f2a86-6f0c-4f6e-9a43-2f5d8b0c7e11")  # a catalog path has the same id in every library
+_SPACE = uuid.UUID("5b1f2a86-6f0c-4f6e-9a43-2f5d8b0c7e11")  # gives a path the same UUID in every library
 _BALL_SAMPLES = 48
 _TOP = "Vibe Render"
 
@@ -49,7 +49,7 @@ def catalog_root(folder: Path, libraries: Iterable[str]) -> Path:
 
 
 def add_catalogs(place: Path, paths: Iterable[str]) -> None:
-    """Adds catalogs to the catalog file in a folder, by their paths; raises VibeError if that file is unusable."""
+    """Adds catalogs, such as "Vibe Render/Fogs", to the catalog file of a folder; raises VibeError if it cannot."""
     file = place / CATALOG_FILE
     try:
         text = file.read_text(encoding="utf-8") if file.exists() else _VERSION
@@ -67,8 +67,8 @@ def add_catalogs(place: Path, paths: Iterable[str]) -> None:
 
 
 def _material_balls(materials: Sequence[Material]) -> list[np.ndarray]:
-    """Small Cycles renders of a ball, one with each material, as `bake.read_file` returns them."""
-    kinds = {"SCENE", "OBJECT", "MESH", "LIGHT", "CAMERA", "WORLD", "MATERIAL"}  # those that this adds
+    """For each material, a Cycles render of a ball: (SIZE, SIZE, 4) float32 (`thumbnail.SIZE`), row 0 at the bottom."""
+    kinds = {"SCENE", "OBJECT", "MESH", "LIGHT", "CAMERA", "WORLD", "MATERIAL"}  # types of the data-blocks added below
     before = set(bpy.data.user_map(key_types=kinds))
     try:
         # A ball under two area lights and a gray world, on a transparent background.
@@ -103,21 +103,21 @@ def _material_balls(materials: Sequence[Material]) -> list[np.ndarray]:
 
 @dataclass
 class _Crate:
-    """Copies of data-blocks to write to a .blend; those in `assets` are marked as assets, each with its catalog."""
+    """Copies of the look's data-blocks, which `export_assets` writes to a .blend and then removes again."""
 
-    name: str
-    assets: list[tuple[ID, str]] = field(default_factory=list)
-    copies: list[ID] = field(default_factory=list)
+    name: str  # of the look
+    assets: list[tuple[ID, str]] = field(default_factory=list)  # each copy that is an asset, and its catalog: "Worlds"
+    copies: list[ID] = field(default_factory=list)  # all copies
 
     def keep(self, block: Any, name: str) -> Any:
-        """Names a copy after the look, and lists it in `copies`, which are removed after the export."""
+        """Renames the copy `block` to the look's name and `name`, lists it in `copies`, and returns it."""
         self.copies.append(block)
         block.name = f"{self.name} {name}"
         block.pop(owned.MARK, None)  # an asset in another file is the artist's, not Vibe Render's
         return block
 
     def mark(self, block: ID, catalog: str, words: str) -> None:
-        """Marks a copy as an asset of a catalog; `words` are its description."""
+        """Marks a copy as an asset in a catalog, such as "Worlds", with `words` as its description."""
         block.asset_mark()
         block.asset_data.catalog_id = catalog_identifier(f"{_TOP}/{catalog}")
         block.asset_data.description = words
@@ -128,10 +128,11 @@ class _Crate:
 def export_assets(
     analysis: SceneAnalysis, name: str, words: str, materials: Iterable[Material], path: Path, picture: Path
 ) -> list[str]:
-    """Writes the look of a scene as assets to a .blend, `path`; returns their names, which begin with the look's `name`.
+    """Writes the look of a scene as assets to the .blend `path`; returns the assets' names, which begin with `name`.
 
-    `words` describe each asset. `picture`, an image of the look, is the preview of those that are no material. Raises
-    VibeError if the scene has nothing to export, or if a file cannot be written.
+    The assets are `materials`, and the scene's world, lights, grade and fog, each with `words` as its description. The
+    preview of a material is a ball; that of the others is `picture`, an image of the look. Raises VibeError if there is
+    nothing to export, or if a file cannot be written.
     """
     crate = _Crate(name)  # its copies are written and then removed: the open file stays as it is
     try:
@@ -172,7 +173,7 @@ def export_assets(
 
 
 def _pack_rig(crate: _Crate, analysis: SceneAnalysis, words: str) -> None:
-    """Packs copies of the lights in a collection; its origin is the bottom center of the subject's bounding box."""
+    """Adds the lights, if any, to the crate as one collection; its origin is the bottom center of the subject's box."""
     lights = rendered.lights(analysis.scene)
     if not lights:
         return

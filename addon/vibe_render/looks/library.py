@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The preset library: the presets that come with Vibe Render, and the artist's own in a folder for them.
+"""The preset library: the presets that come with Vibe Render, and the artist's own in the user's Blender folder.
 
-A preset is NAME.json with an image NAME.jpg next to it. Functions raise VibeError if a file cannot be read or written, if
-a preset is broken, or if a shipped preset is to be changed.
+A preset is NAME.json with an image NAME.jpg next to it. Functions raise VibeError if a file cannot be read or written,
+if a preset is broken, or if a shipped preset is to be changed.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ _LARGEST_PICTURE = 4_000_000  # bytes; shipped images have about 5000
 class Look:
     """A preset in the library. If its file cannot be read, `preset` is None, and `problem` is the reason."""
 
-    path: Path
+    path: Path  # of the .json file
     name: str  # in lists: its title, or else the file's name
     preset: preset.Preset | None = None
-    prompt: str = ""  # that the preset was made with; "" if there is none
+    prompt: str = ""  # the words that the preset was made from; "" if there are none
     problem: str = ""
 
     @property
@@ -52,7 +52,7 @@ def preset_folder() -> Path:
 
 
 def all_looks(words: str = "") -> list[Look]:
-    """The artist's own presets by name, then the shipped ones; only those whose name or prompt contains each word."""
+    """Presets whose name or prompt contains every word of `words`: the artist's own by name, then the shipped ones."""
     looks: list[Look] = []
     for place in (preset_folder(), SHIPPED):
         theirs = [_read(path, *_stamp(path)) for path in place.glob("[!.]*.json")]
@@ -62,14 +62,14 @@ def all_looks(words: str = "") -> list[Look]:
 
 
 def preset_named(preset_: str) -> preset.Preset:
-    """The preset that the command line names by a file's path or a name in the library."""
+    """Reads the preset that the command line names: `preset_` is the path of a file, or a name in the library."""
     path = Path(preset_).expanduser()
     is_path = path.suffix == ".json" or path.is_file()
     return transfer.load_preset(path if is_path else find_preset(preset_).path)
 
 
 def find_preset(name: str) -> Look:
-    """The preset with a name, or the only one whose name begins so, ignoring case; raises VibeError if there is none."""
+    """The preset called `name`, or the only one whose name begins so, ignoring case; raises VibeError without one."""
     library, folded = all_looks(), name.casefold().strip()
     exact = [look for look in library if look.name.casefold() == folded]
     chosen = exact or [look for look in library if look.name.casefold().startswith(folded)]
@@ -80,7 +80,7 @@ def find_preset(name: str) -> Look:
 
 
 def preset_at(path: str) -> Look:
-    """The preset at a path of the library; a VibeError if it is gone."""
+    """The preset of the library whose .json file is at `path`; raises VibeError if there is none."""
     for look in all_looks():
         if str(look.path) == path:
             return look
@@ -88,14 +88,14 @@ def preset_at(path: str) -> Look:
 
 
 def path_for(place: Path, name: str) -> Path:
-    """The path in a folder for a preset's name: letters of any script, digits, "_" and "-", valid on every system."""
+    """The path PLACE/NAME.json for a preset's name: in lower case, with "-" for all but letters, digits and "_"."""
     plain = unicodedata.normalize("NFKD", name).casefold()
     words = re.sub(r"[^\w]+", "-", plain).strip("-")[:50]
     return place / f"{words or 'look'}.json"
 
 
 def rename_preset(look: Look, name: str) -> Look:
-    """Gives one of the artist's presets another name, with a number if another preset has that name."""
+    """Renames one of the artist's presets, with a number if the name is taken; returns the renamed preset."""
     if not (name := preset.title(name)):
         raise schema.VibeError("A preset needs a name.", "Type one.")
     _check_own(look)
@@ -118,7 +118,7 @@ def delete_preset(look: Look) -> None:
 
 
 def import_preset(path: Path) -> Look:
-    """Copies a preset file into the artist's own presets."""
+    """Copies a preset file, and the image next to it, to the artist's own presets; returns the copy."""
     look = transfer.load_preset(path)
     return save_preset(replace(look, name=look.name or preset.title(path.stem)), path.with_suffix(thumbnail.SUFFIX))
 
@@ -137,7 +137,7 @@ def _check_own(look: Look) -> None:
 
 
 def _stamp(path: Path) -> tuple[int, int]:
-    """Modification time and size: they change when the file does."""
+    """Modification time (ns) and size (bytes) of a file, which change when the file does; (0, 0) if it is gone."""
     try:
         status = path.stat()
         return status.st_mtime_ns, status.st_size
@@ -155,7 +155,10 @@ def _read(path: Path, _time: int, _size: int) -> Look:
 
 
 def save_preset(look: preset.Preset, picture: Path | None = None, instead: Path | None = None) -> Look:
-    """Adds a preset and its JPEG to the artist's own; a name that is taken, but not by the file `instead`, gets a number."""
+    """Adds a preset, and the JPEG `picture` if there is one, to the artist's own presets; returns it as it is stored.
+
+    The preset gets a number if another one has its name. The file `instead`, if given, may be overwritten.
+    """
     place = preset_folder()
     with contextlib.suppress(OSError):  # writing a file there reports the reason
         place.mkdir(parents=True, exist_ok=True)
@@ -175,7 +178,7 @@ def save_preset(look: preset.Preset, picture: Path | None = None, instead: Path 
 
 
 def _claimed(path: Path) -> bool:
-    """False if the file exists; else creates it empty, so that another Blender cannot take the name."""
+    """False if the file exists; else True, and the file is created, so that another Blender cannot take the name."""
     try:
         path.open("x").close()
     except OSError as error:  # any other error is reported when the file is written
@@ -184,7 +187,7 @@ def _claimed(path: Path) -> bool:
 
 
 def _put(path: Path, look: preset.Preset, picture: Path | None) -> None:
-    """Writes a preset and its image, each file whole or not at all: another Blender may read the folder."""
+    """Writes a preset and, next to it, its JPEG, each file whole or not at all: another Blender may read the folder."""
     copy = path.with_suffix(thumbnail.SUFFIX)
     with whole(path, "Check the folder.") as part:
         part.write_text(look.dumps() + "\n", encoding="utf-8")

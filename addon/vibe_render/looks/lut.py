@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The grade as a .cube file for other programs: what Vibe Grade does to every color.
+"""The grade as a .cube file for other programs: a table of how the node group Vibe Grade changes each color.
 
-Input and output colors are display-referred: sRGB, Rec.709 primaries. In between the grade's formula works on linear
-light (see `scene/nodes/grade.py`). Vignette and bloom are left out, because they depend on more than the color. The view
-transform is left out too: the file matches the compositor on images that were rendered with the view Standard.
+Input and output colors are display-referred: sRGB, Rec.709 primaries. In between, the grade's formula works on linear
+light (see `scene/nodes/grade.py`). Vignette and bloom are left out, because they depend on more than the color. The
+view transform is left out too: the file matches the compositor on images that were rendered with the view Standard.
 
 Colors below black and above white are not clipped in the file. Programs interpolate between its colors and clip the
 result. Near black, this is closer to the grade than interpolation between clipped colors.
@@ -26,13 +26,16 @@ _MIDDLE = 0.18
 
 
 def neutral_grade() -> dict[str, tuple[float, ...]]:
-    """The grade's neutral values, by name."""
+    """Parameter name -> value with which the grade changes nothing, such as "contrast" -> (1.0,)."""
     rows = [p for p in schema.PARAMETERS if p.group == "film" and p.blender.startswith("Vibe Grade")]
     return {p.name: (p.default,) * p.components for p in rows}
 
 
 def graded_colors(colors: np.ndarray, values: Mapping[str, Sequence[float]]) -> np.ndarray:
-    """Colors (N, 3), scene-linear Rec.709, at least 0, with a grade, whose missing values are neutral; may be below 0."""
+    """`colors` after the grade: (N, 3), scene-linear Rec.709; may be below 0.
+
+    `colors` has the same shape and space, and is at least 0. `values` are by parameter name; missing ones are neutral.
+    """
     v = {name: np.array(values.get(name, neutral)) for name, neutral in neutral_grade().items()}
     c = colors * 2.0 ** v["grade_exposure"]
     c = np.maximum(((c - 1.0) * (2.0 - v["lift"]) + 1.0) * v["gain"], 0.0) ** (1.0 / v["midtone"])
@@ -45,7 +48,7 @@ def graded_colors(colors: np.ndarray, values: Mapping[str, Sequence[float]]) -> 
 
 
 def _turned(c: np.ndarray, sixths: np.ndarray) -> np.ndarray:
-    """Colors (N, 3) with their HSV hue turned by sixths of the circle, as by the Hue/Saturation/Value node."""
+    """Colors (N, 3), at least 0, with the HSV hue turned by sixths of a circle, as by the node Hue/Saturation/Value."""
     brightest, chroma = c.max(1, keepdims=True), np.ptp(c, 1, keepdims=True)
     r, g, b = ((brightest - c) / np.maximum(chroma, 1e-12)).T
     hue = np.select([r == 0, g == 0], [b - g, 2.0 + r - b], 4.0 + g - r)[:, None]
@@ -54,7 +57,7 @@ def _turned(c: np.ndarray, sixths: np.ndarray) -> np.ndarray:
 
 
 def write_cube(path: Path, name: str, values: Mapping[str, Sequence[float]]) -> None:
-    """Writes a .cube file, whole or not at all; raises a VibeError if it cannot be written."""
+    """Writes a grade (`values`: as for `graded_colors`) to a .cube file titled `name`; raises VibeError if it fails."""
     title = "".join(c for c in name if c.isprintable() and c != '"')
     head = (
         "# Vibe Render: the grade of a look. In and out: sRGB (Rec.709 primaries, display-referred).\n"

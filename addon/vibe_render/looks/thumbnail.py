@@ -22,7 +22,7 @@ _SAMPLES = 48
 
 @contextmanager
 def rendered_thumbnail(scene: bpy.types.Scene) -> Iterator[Path]:
-    """A JPEG of the square in the middle of a small Cycles render of the scene; removed after the block."""
+    """The path of a JPEG: the middle square of a small Cycles render of the scene. It is deleted after the block."""
     width, height = scene.render.resolution_x, scene.render.resolution_y
     longer = round(SIZE * max(width, height) / min(width, height))
     with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
@@ -33,7 +33,7 @@ def rendered_thumbnail(scene: bpy.types.Scene) -> Iterator[Path]:
 
 
 def save_thumbnail(picture: Path, out: Path) -> None:
-    """Writes the square in the middle of an image as a JPEG, `SIZE` pixels wide; raises VibeError if that fails."""
+    """Writes the middle square of an image file as a JPEG, `SIZE` pixels wide; raises VibeError if that fails."""
     pixels = bake.read_file(picture)
     side = min(pixels.shape[:2])
     top, left = ((n - side) // 2 for n in pixels.shape[:2])

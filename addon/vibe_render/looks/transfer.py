@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Transfers a look by role (see `schema.preset`): reads it from one scene, fits it to another, and applies it."""
+"""Transfers a look from one scene to another by the roles of materials and lights (see `schema.preset`)."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ from ..scene.nodes import grade, owned
 from ..scene.subject import SubjectChoice, remember_subject
 from . import lut
 
-_Values = Mapping[str, Sequence[float]]  # by key
+_Values = Mapping[str, Sequence[float]]  # parameter key -> components
 SceneParameters = SceneJob | reading.SceneReading  # both have parameters by key (`instances`) and an analysis
 
 _TEXTURE_LUMA = 0.5  # luma of a typical texture: a color divided by it tints the texture to about that color
-_DIM = 0.01  # radiance of a white surface in its light, below which a light is not added
-_PROMINENT = 0.5  # share of the visible area of the subject's largest material; see `fit_look`
+_DIM = 0.01  # radiance of a white surface in a light; darker lights are not added
+_PROMINENT = 0.5  # least visible area of a further material, as a share of the subject's largest; see `fit_look`
 # Color that a texture may replace -> the parameter that tints the texture.
 _TINTS = {"base_color": "tint", "color": "tint", "backdrop_color": "backdrop_tint"}
-_UNNOTED = {"distance", "backdrop_horizon"}  # suns have no distance, images their own horizon: no line
+_UNNOTED = {"distance", "backdrop_horizon"}  # no line if missing: suns have no distance, images their own horizon
 
 
 def load_preset(path: Path) -> preset.Preset:
@@ -52,7 +52,10 @@ def load_preset(path: Path) -> preset.Preset:
 def extract_look(
     prompt: str, scene: SceneParameters, values: _Values, name: str = "", goals: dict[str, Any] | None = None
 ) -> preset.Preset:
-    """A preset, titled `name`, of the look that a vibe gave a scene: the values that it has changed, and its goals."""
+    """A preset of the look that a vibe gave a scene, titled `name`, or else with the first words of `prompt`.
+
+    `values`: what the vibe changed, by key. `goals`: what its words wish for, as in docs/reference/goals.md.
+    """
     roles: dict[str, list[preset.Entry]] = {}
     kinds: dict[str, list[str]] = {}
     for role, group in preset.ROLES.items():
@@ -65,7 +68,7 @@ def extract_look(
 
 
 def role_owners(scene: SceneParameters, role: str) -> list[str]:
-    """Names, as in keys, of the materials or lights that have one of `preset.ROLES`; [""] for roles of other groups."""
+    """Names of the materials or lights with a role, largest or brightest first; [""] for "world", "volume", "film"."""
     group = preset.ROLES[role]
     if group not in ("material", "light"):
         return [""]
@@ -76,19 +79,19 @@ def role_owners(scene: SceneParameters, role: str) -> list[str]:
 
 
 def camera_azimuth(scene: SceneParameters) -> float:
-    """The camera's azimuth in degrees, from which presets count the azimuth of lights."""
+    """The camera's azimuth in degrees, to which azimuths of lights in presets are relative; 0.0 if there is none."""
     instance = scene.instances.get("camera/azimuth")
     return instance.value[0] if instance else 0.0
 
 
 def visible_areas(analysis: SceneAnalysis) -> dict[str, float]:
-    """The number of camera rays that hit each material, by name."""
+    """Material name -> number of camera rays that hit the material; without those that none hits."""
     numbers, counts = np.unique(analysis.visible.material, return_counts=True)
     return {analysis.geometry.materials[n]: float(c) for n, c in zip(numbers, counts, strict=True) if n >= 0}
 
 
 def _brightness(scene: SceneParameters, owner: str) -> float:
-    """Radiance of a white surface at the subject that faces the light; 0 if the light has neither power nor strength."""
+    """Radiance of a white surface at the subject, facing the light `owner`; 0.0 if it has no power and no strength."""
     for name in ("power", "strength"):
         if instance := scene.instances.get(f"light/{owner}/{name}"):
             return schema.radiometry.radiance(_kind(owner), instance.value[0] / instance.reference)
@@ -96,20 +99,20 @@ def _brightness(scene: SceneParameters, owner: str) -> float:
 
 
 def _kind(light: str) -> str:
-    """The type of a light ("AREA", …): one in the file, or one of `ADDED_LIGHTS` that the file lacks."""
+    """The type, such as "AREA", of the light with this name: a light of the file, or else one of `ADDED_LIGHTS`."""
     if light in bpy.data.objects:
         return type_of(bpy.data.objects[light]).name
     return schema.added_lights.ADDED_LIGHTS[light].type
 
 
 def _entry(scene: SceneParameters, group: str, owner: str, values: _Values) -> preset.Entry:
-    """The changed values of one owner, by parameter name, as multiples of the scene's reference lengths."""
+    """Parameter name -> changed value of a material, a light or (`owner` "") a group, divided by its reference."""
     entry = {}
     for name in (p.name for p in schema.PARAMETERS if p.group == group):
         key = schema.FAMILIES[f"{group}/{name}"].key(owner)
         if key in values and key in scene.instances:
             entry[name] = [v / scene.instances[key].reference for v in values[key]]
-            if group == "light" and name == "azimuth":  # from the camera's, -180 to 180 degrees
+            if group == "light" and name == "azimuth":  # relative to the camera's, -180 to 180 degrees
                 camera = values.get("camera/azimuth", [camera_azimuth(scene)])[0]
                 entry[name] = [(entry[name][0] - camera + 180.0) % 360.0 - 180.0]
     return preset.clamped(group, entry)
@@ -124,7 +127,7 @@ class Fit:
 
 
 def fit_look(look: preset.Preset, target: SceneParameters) -> Fit:
-    """Fits a preset's values to a scene. For a light that the scene lacks, they are kept for a light that applying adds."""
+    """Fits a preset to the scene `target`; for a light that the scene lacks, the result has values of a new light."""
     result = Fit()
     for role, entries in look.roles.items():
         group, theirs = preset.ROLES[role], role_owners(target, role)
@@ -158,7 +161,7 @@ def _words(role: str) -> str:
 
 
 def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entry, kinds: list[str]) -> None:
-    """Fits a role that nothing in the scene has: adds values of a new light, unless it is dark, or a line to `rest`."""
+    """Adds to `result`, for a role that the scene lacks, values of a new light, unless dark, or a line in `rest`."""
     ours = prepare.OURS.get(role, "")
     entry = _for_light(entry, kinds[0], prepare.LIGHT_TYPE) if ours else entry
     if "power" not in entry or ours in bpy.data.objects:
@@ -175,7 +178,7 @@ def _missing(result: Fit, target: SceneParameters, role: str, entry: preset.Entr
 
 
 def _for_light(entry: preset.Entry, made_on: str, kind: str) -> preset.Entry:
-    """An entry of one type of light, converted to another type that is as bright and as soft."""
+    """A preset entry of a light of type `made_on`, converted to a light of type `kind`, as bright and as soft."""
     result, target = dict(entry), LIGHT_TYPES[kind]
     # Power becomes strength, size becomes angle, or the other way around.
     bright = result.pop("power", None) or result.pop("strength", None)
@@ -190,7 +193,7 @@ def _for_light(entry: preset.Entry, made_on: str, kind: str) -> preset.Entry:
 
 
 def _put(result: Fit, target: SceneParameters, group: str, owner: str, name: str, value: list[float]) -> None:
-    """Adds one value, clipped to its bounds in this scene, or a line on why it does not fit."""
+    """Adds a preset's value to `result`, scaled to the scene and clipped to its bounds, or a line on why it cannot."""
     key = schema.FAMILIES[f"{group}/{name}"].key(owner)
     instance = target.instances.get(key)
     if instance is None or instance.locked:
@@ -216,7 +219,7 @@ def _put(result: Fit, target: SceneParameters, group: str, owner: str, name: str
 def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectChoice) -> list[str]:
     """Applies a preset to the scene like a vibe's result; returns a line for the artist on each value that did not fit.
 
-    Raises VibeError if no value of the preset fits, or the scene cannot be read or changed; then it stays as it was.
+    Raises VibeError if no value of the preset fits, or the scene cannot be read or changed; it then stays unchanged.
     """
     settings = scene.vibe
     shown = settings.show_original
@@ -248,7 +251,7 @@ def apply_preset(scene: bpy.types.Scene, look: preset.Preset, choice: SubjectCho
 
 
 def capture_preset(scene: bpy.types.Scene, choice: SubjectChoice, name: str) -> preset.Preset:
-    """A preset of all values that the last vibe or preset changed; raises VibeError if there are none."""
+    """A preset called `name` of all values that the last vibe or preset changed; raises VibeError if there are none."""
     settings = scene.vibe
     settings.show_original = False  # the look is saved, not the original
     scene_reading = reading.read_scene(scene, choice)
@@ -262,7 +265,7 @@ def capture_preset(scene: bpy.types.Scene, choice: SubjectChoice, name: str) -> 
 
 
 def grade_values(scene: bpy.types.Scene) -> dict[str, tuple[float, ...]]:
-    """The values of the scene's grade, by name; empty if it has none."""
+    """Parameter name -> value of the scene's grade, as in `lut.neutral_grade`; empty if the scene has no grade."""
     nodes = owned.group_nodes(compat.compositor(scene), grade.NAME)
     if not nodes:
         return {}

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A vibe from start to end: its driver, for the panel and for runs without a window; its status, its result in the scene."""
+"""A vibe (one run of the search) from start to end: its driver, the add-on's state, its result in the scene."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The driver of a vibe: generators that talk to the engine, and yield the present stage, in words, whenever they wait.
+"""The driver of a vibe: generators that talk to the engine; whenever they wait, they yield the stage, in words.
 
 The panel advances them by a timer, so that Blender stays usable between two steps; without a window, a loop does so.
 """
@@ -32,7 +32,7 @@ _Answer = TypeVar("_Answer", messages.Result, messages.Finished, messages.Checke
 
 
 class Driver:
-    """One vibe as the engine works on it: sends requests, takes answers, keeps what the engine has reported."""
+    """One vibe: sends requests to the engine, takes its answers, keeps what it has reported. `job`: the job folder."""
 
     patience = math.inf  # seconds without a message after which the engine is ended
 
@@ -41,9 +41,9 @@ class Driver:
         self.stage = "Starting the engine"  # the present stage, in words
         self.progress: messages.Progress | None = None  # the newest progress message
         self.before: Path | None = None  # the engine's image of the scene before the vibe
-        self.look: messages.LookSoFar | None = None  # the newest look that is shown in the scene before the result
-        self.words: dict[str, bool] = {}  # look word -> whether it is visible on that look's image
-        self.preview: Path | None = None  # the newest image of the look
+        self.look: messages.LookSoFar | None = None  # the search's newest look, which the scene shows until the result
+        self.words: dict[str, bool] = {}  # look word -> True if it is visible on the image of `look`
+        self.preview: Path | None = None  # the engine's newest image of the search's look
         # the variants, the best first, each with its image; empty unless several were requested
         self.variants: list[tuple[messages.Variant, Path]] = []
         self.sequence: tuple[CheckedFrame, ...] = ()  # the frames at which the result was checked
@@ -64,7 +64,7 @@ class Driver:
 
     @property
     def silence(self) -> float:
-        """Seconds since the engine's last message, from the first request to the result; otherwise 0."""
+        """Seconds since the engine's last message; 0.0 before the first request and after the result."""
         return time.monotonic() - self._last_word_at if self.asked and not self._result else 0.0
 
     @property
@@ -74,11 +74,11 @@ class Driver:
 
     @property
     def prediction_error(self) -> float | None:
-        """Mean CIEDE2000 between the last prediction and the anchor after it; None without anchors."""
+        """Mean CIEDE2000 between the last anchor (a small Cycles render) and its prediction; None without anchors."""
         return self.report.get("anchored", {}).get("predicted")
 
     def receive(self, message: messages.Message) -> None:
-        """Updates the attributes from a message of the engine."""
+        """Updates this object's attributes from a message of the engine."""
         self._last_word_at = time.monotonic()
         if isinstance(message, messages.Stage):
             self.stage = message.name.capitalize()
@@ -113,7 +113,7 @@ class Driver:
                 yield self.stage
 
     def _in_background(self, act: Callable[[], T]) -> Generator[str, None, T]:
-        """Runs a function in a thread, yields until it ends, and returns its result; it must not touch Blender's data."""
+        """Runs `act` in a thread, yields until it ends, and returns its result; `act` must not touch Blender's data."""
         work = background.begin(act)
         yield self.stage
         while not work.done():
@@ -127,7 +127,7 @@ class Driver:
             self._engine.send(messages.Stop())
 
     def _answer(self, kind: type[_Answer]) -> Generator[str, None, _Answer]:
-        """Takes messages, and answers anchors, until an answer of a kind arrives; returns that answer.
+        """Takes messages, and renders requested anchors, until a message of class `kind` arrives; returns that message.
 
         Raises VibeError if the engine fails, is silent for longer than `patience`, or has ended.
         """
@@ -153,7 +153,7 @@ class Driver:
         return answer
 
     def _check(self) -> None:
-        """Raises VibeError, and ends the engine, if it has been silent for longer than `patience`."""
+        """Ends the engine and raises VibeError if the engine has been silent for longer than `patience`."""
         if self.silence > self.patience:
             self._engine.stop(patience=0.02)
             problem = f"The engine has said nothing for {self.patience / 60:.0f} minutes, and was ended."
@@ -174,9 +174,10 @@ class Driver:
         seed: int,
         first: SceneAnalysis | None = None,
     ) -> Generator[str]:
-        """Renders every so many frames with and without the look, and has the engine measure the words.
+        """Renders each `every`-th frame with and without the look; fills `sequence` with the engine's measurements.
 
-        `verdicts` are those at the frame where the look was found, `first` is the analysis there. The scene stays as it is.
+        `verdicts` and `first` are the verdicts and the scene's analysis at the frame where the look was found. `choice`
+        is that of the subject. The scene stays as it is.
         """
         self.sequence, start, shown = (), scene.frame_current, keyframes.are_shown(scene)
         seen = words_of(verdicts, "visible")

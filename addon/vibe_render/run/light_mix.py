@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A light mix of the open scene: renders the light layers, mixes them, writes the mix to the scene or its compositor."""
+"""A light mix of the open scene: renders and mixes the light layers, writes the mix to the scene or its compositor."""
 
 import shutil
 import uuid
@@ -34,21 +34,21 @@ _BACKDROP = "backdrop_"
 
 @dataclass(frozen=True)
 class MixChannel:
-    """A light layer, and what its slider needs."""
+    """A slider of the mix: a light layer (sources of light that are rendered together) with its values."""
 
     name: str  # of the light group
-    title: str
-    icon: str
+    title: str  # for people
+    icon: str  # name of an icon of Blender
     objects: tuple[str, ...]  # names of its lights and of objects that glow
-    world: bool
-    values: Mapping[str, schema.Values]  # its powers and colors at the time of the render, by key
+    world: bool  # True if the world is in the layer
+    values: Mapping[str, schema.Values]  # powers and colors of its sources at the time of the render, by key
 
 
 class RenderedMix:
     """The light layers of the scene's newest render: one channel for each."""
 
     def __init__(self, scene: Scene) -> None:
-        """Renders the scene with Cycles. Raises VibeError if it has no light, or the disk is full."""
+        """Renders the scene with Cycles; raises VibeError if the scene has no light, or the disk is full."""
         self.uid = scene.session_uid
         self._folder = Path(bpy.app.tempdir) / f"vibe-mix-{uuid.uuid4().hex[:8]}"
         self._folder.mkdir()
@@ -69,11 +69,11 @@ class RenderedMix:
             raise
 
     def draw(self, scene: Scene, colors: Mapping[str, Color]) -> None:
-        """Writes the image of the mix anew; `colors` are the factors of red, green and blue, by light layer."""
+        """Writes the image `picture` of the mix anew; `colors`: channel name -> factors of red, green and blue."""
         self._mix.write(scene, self.picture, colors)
 
     def discard(self) -> None:
-        """Deletes the files."""
+        """Deletes the files of the render and of the mix."""
         shutil.rmtree(self._folder, ignore_errors=True)
 
 
@@ -107,7 +107,7 @@ def _channels(scene: Scene, layers: Sequence[LightLayer]) -> list[MixChannel]:
 
 
 def mixed_values(values: Mapping[str, schema.Values], color: Color) -> dict[str, tuple[float, ...]]:
-    """A channel's values, by key, after its light is multiplied by a color.
+    """The new values of a channel, by key, that multiply its light by `color`; `values`: its old powers and colors.
 
     Powers are multiplied by the color's largest component, colors by the color divided by that component.
     """
@@ -130,7 +130,10 @@ def mixed_values(values: Mapping[str, schema.Values], color: Color) -> dict[str,
 
 
 def apply(scene: Scene, channels: Sequence[MixChannel], colors: Mapping[str, Color]) -> dict[str, str]:
-    """Writes a mix, factors of red, green and blue by channel, as a step; returns the keys left alone, and why."""
+    """Writes a mix into the scene's values, as a step; returns each key that was left alone -> the reason.
+
+    `colors`: channel name -> factors of red, green and blue. Other channels stay as they are.
+    """
     values: dict[str, tuple[float, ...]] = {}
     for channel in channels:
         if channel.name in colors:
@@ -148,7 +151,7 @@ def apply(scene: Scene, channels: Sequence[MixChannel], colors: Mapping[str, Col
 
 
 def write_nodes(scene: Scene, channels: Sequence[MixChannel], colors: Mapping[str, Color]) -> None:
-    """Writes a mix as nodes of the compositor, with the light groups that it needs; Revert removes them."""
+    """Writes a mix (`colors`: as for `apply`) as compositor nodes, with their light groups; Revert removes both."""
     layer = rendered.layer(scene)
     with snapshot.transaction(scene) as journal:
         named = {}

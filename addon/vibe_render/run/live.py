@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Words that are being typed: Live shows their first look at each pause, and readings tell how each one is understood."""
+"""The prompt while it is typed: Live shows its first look at each pause; readings say how each word is understood."""
 
 import time
 from collections.abc import Generator
@@ -24,13 +24,13 @@ _Words = tuple[str, tuple[str, ...]]  # a prompt, and the artist's targets for i
 
 
 class Live(SceneSession):
-    """Looks of words that are still being typed; the scene keeps nothing but the newest look, as a preview."""
+    """Shows the first look of the words so far whenever typing pauses, as a preview; the scene keeps nothing else."""
 
     def __init__(self, context: bpy.types.Context, engine: Engine) -> None:
         super().__init__(context, engine)
         self.stage = ""
-        self._words, self._due = "", 0.0  # time at which a look is requested; 0 if none is due
-        self._read: tuple[Any, ...] | None = None  # settings of the exported scene; None if stale
+        self._words, self._due = "", 0.0  # the words so far; when to request their look, 0 for never
+        self._read: tuple[Any, ...] | None = None  # `scene_settings` at the export; None if it is stale or missing
         self._asked = self._at_work = False
         self._steps = self._run()
 
@@ -41,17 +41,17 @@ class Live(SceneSession):
 
     @property
     def typing(self) -> bool:
-        """True if words were typed that no vibe has taken over yet."""
+        """True if words have been typed that no vibe has been started for yet."""
         return bool(self._words)
 
     @property
     def job(self) -> Path | None:
-        """The job folder of the scene as it is now; None before the export, or after the scene has changed."""
+        """The job folder with the scene as it is now; None before its export, or if the scene has changed since."""
         scene = self._scene_if_there()
         return self._job if scene and self._read is not None and self._read == scene_settings(scene) else None
 
     def typed(self, words: str) -> None:
-        """Takes the words so far; the look of earlier words is given up."""
+        """Takes the words so far; their look is requested after a pause, and a look of earlier words is given up."""
         self._words, self._due = words.strip(), time.monotonic() + _PAUSE
 
     def advance(self) -> None:
@@ -74,7 +74,7 @@ class Live(SceneSession):
         self._at_work = was
 
     def hand_over(self, session: SceneSession) -> None:
-        """Hands the look over to a vibe of the same scene, which shows it until it has a better one."""
+        """Hands the look over to `session`, a vibe of the same scene, which shows it until there is a better one."""
         self._pause()
         session.look, session.words, session.preview, session.before = self.look, self.words, self.preview, self.before
         session._subject, session._pivot, session._shown = self._subject, self._pivot, self._shown
@@ -93,7 +93,7 @@ class Live(SceneSession):
         self.discard()
 
     def _pause(self) -> None:
-        """Gives up the look that is in the making."""
+        """Gives up the look that the engine is working on."""
         self._steps.close()
         self._steps, self.stage, self._due = self._run(), "", 0.0
         self._give_up()
@@ -107,7 +107,7 @@ class Live(SceneSession):
             self._engine.abandon()
 
     def _run(self) -> Generator[str]:
-        """Endless steps: waits for words, exports the scene if the export is stale, and requests a look."""
+        """Waits for words, exports the scene if the export is stale, requests a look, and so on; yields the stage."""
         while True:
             self.stage = ""
             while not self._due or time.monotonic() < self._due:
@@ -150,23 +150,23 @@ class Live(SceneSession):
 
 
 class WordReadings:
-    """The newest readings of a prompt's words: how the engine understands each of them.
+    """The newest readings of the prompt: how the engine understands each of its words in this scene.
 
-    They are read against the job folder that Live has exported (`live`; None if it is missing or stale), or else against
-    a sketch of the scene, which is made anew after a change.
+    The engine reads the scene from `live`, the job folder that Live has exported. If that is None (missing or stale),
+    the engine reads a sketch: an export with bounding boxes in place of meshes, made anew after a change of the scene.
     """
 
     def __init__(self) -> None:
         self.newest = messages.Readings("")  # the engine's last answer; empty before the first
         self._asked: _Words | None = None  # the words that the engine is reading; None for none
-        self._read: _Words = ("", ())
+        self._read: _Words = ("", ())  # the words that `newest` is about
         self._folder: Path | None = None  # of the sketch; None where the scene cannot be exported
-        self._sketched: tuple[Any, ...] | None = None  # settings of the scene; None if the sketch is stale
+        self._sketched: tuple[Any, ...] | None = None  # `_settings` of the scene in the sketch; None if that is stale
         self._job = ""  # the job folder against which the newest readings were made
         self._changed = 0.0  # time when the scene last changed
 
     def due(self, scene: bpy.types.Scene, live: Path | None = None) -> bool:
-        """True if the prompt, with its targets, has not been read yet against the scene as it is now."""
+        """True if the engine has not yet read the prompt, with its targets, for the scene as it is now."""
         words = scene.vibe.prompt, tuple(scene.vibe.target_pairs())
         if self._asked is not None or words != self._read:
             return True
@@ -178,7 +178,7 @@ class WordReadings:
         self._sketched, self._changed = None, time.monotonic()
 
     def step(self, engine: Engine, scene: bpy.types.Scene, live: Path | None = None) -> bool:
-        """Takes readings that have arrived, and requests those that are due; never waits. True if some have arrived."""
+        """Takes readings that have arrived, and requests those that are due; never waits. True if some arrived."""
         arrived = engine.poll_readings()
         if arrived:
             self.newest, self._read, self._asked = arrived, self._asked or self._read, None
@@ -203,7 +203,7 @@ class WordReadings:
         self._asked = None
 
     def _sketch(self, scene: bpy.types.Scene) -> Path | None:
-        """The folder of the sketch of the scene as it is now; None where it cannot be exported."""
+        """The folder of a sketch of the scene as it is now, made if necessary; None if it cannot be exported."""
         settings = _settings(scene)
         if self._sketched != settings:
             self._folder = None
@@ -216,6 +216,6 @@ class WordReadings:
 
 
 def _settings(scene: bpy.types.Scene) -> tuple[Any, ...]:
-    """The scene's own settings that a sketch of it depends on."""
+    """Values of the settings that a sketch of the scene depends on, to find out whether they have changed."""
     selected = tuple(o.name for o in scene.objects if o.select_get()) if scene.vibe.subject == "SELECTED" else ()
     return scene.session_uid, *scene_settings(scene), selected

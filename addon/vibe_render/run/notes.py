@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An engine's report of a vibe in lines for people: words that are visible or left out, the model's part, checked frames. No bpy here."""
+"""An engine's report in lines for people: words, the vision-language model's part, checked frames. No bpy here."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -22,12 +22,12 @@ class CheckedFrame:
 
 
 def words_of(verdicts: Sequence[Mapping[str, str]], state: str) -> list[str]:
-    """The words whose verdict has a state: "visible", "already", "unmeasured" or "missed"."""
+    """The words whose verdict has the state `state`: "visible", "already", "unmeasured" or "missed"."""
     return [row["word"] for row in verdicts if row["state"] == state and row["word"]]
 
 
 def verdict_lines(verdicts: Sequence[Mapping[str, str]]) -> list[str]:
-    """A line for the words of each state, and one with the shortfall of each verdict that is missed."""
+    """A line with the words of each state, such as "visible", and a line with the `shortfall` of each missed word."""
     names = {"visible": "The picture shows", "already": "Was so already", "unmeasured": "Set, not measured"}
     by_state = {name: words_of(verdicts, state) for state, name in names.items()}
     lines = [f"{name}: {', '.join(words)}." for name, words in by_state.items() if words]
@@ -37,12 +37,12 @@ def verdict_lines(verdicts: Sequence[Mapping[str, str]]) -> list[str]:
 
 
 def shortfall(row: Mapping[str, str]) -> str:
-    """The lack of a missed word and its cause: "color is #74726f, wanted #ce371f; it conflicts with 'night'"."""
+    """The lack of a missed word, and the cause: "color is #74726f, wanted #ce371f; it conflicts with 'night'"."""
     return "; ".join(filter(None, (row["missing"], row["why"])))
 
 
 def word_notes(report: Mapping[str, Any]) -> list[str]:
-    """Lines on words that were left out or guessed, and on contradictions."""
+    """Lines on words that were left out or guessed, and on contradictions; `report` is the content of report.json."""
     understood = report.get("understood", {})
     ignored = ", ".join(dict.fromkeys(understood.get("ignored", [])))
     guesses = [f"“{word}” was taken for “{near}”" for word, near in understood.get("guesses", {}).items()]
@@ -60,7 +60,7 @@ def failure_note(report: Mapping[str, Any]) -> str:
 
 
 def model_lines(report: Mapping[str, Any], judge: Mapping[str, Any]) -> list[str]:
-    """Lines on the vision-language model's part in a vibe: calls, tokens, cost, failures, and its verdict, if any."""
+    """Lines on the vision-language model: calls, tokens, cost, failures; its verdict (`judge` of `Finished`)."""
     lines = []
     if model := report.get("vlm"):
         tokens = model["tokens"]
@@ -82,7 +82,7 @@ def model_lines(report: Mapping[str, Any], judge: Mapping[str, Any]) -> list[str
 
 
 def lost_frames(checked: Sequence[CheckedFrame]) -> list[int]:
-    """At most `_MOST` of the frames where a word is lost, evenly spread: the search keeps all of them in memory."""
+    """Frames where a word is lost: at most `_MOST`, evenly spread, because a search keeps all its frames in memory."""
     lost = [each.frame for each in checked if each.lost]
     return lost[:: -(-len(lost) // _MOST)] if lost else []
 

@@ -24,13 +24,13 @@ from ..core.journal import Journal
 from ..core.schema_import import schema
 from ..scene import bindings
 
-KEY = "vibe_preview"
+KEY = "vibe_preview"  # custom property of a scene: the journal that takes its preview away
 
 
 def show(
     scene: Scene, values: Mapping[str, Sequence[float]], subject: Sequence[Object], pivot: Sequence[float]
 ) -> None:
-    """Shows values in place of an earlier preview; raises as `bindings.write`, and then no preview is shown."""
+    """Shows values, by key, in place of an earlier preview; raises as `bindings.write`, and then shows no preview."""
     _take_away(scene)
     journal = Journal()
     try:
@@ -83,9 +83,9 @@ def before_path(scene: Scene) -> Path:
 
 
 def store_before(path: Path, picture: Path, first: bool) -> Path:
-    """Stores an image of the scene as the before image at `path`, if `first`; returns the image to compare with.
+    """Copies `picture` to `path` as the before image, if `first`; returns the path of the image to compare with.
 
-    `first` is True if the scene had no earlier vibe. Without a file at `path`, the image to compare with is `picture`.
+    `first` is True if the scene had no earlier vibe. The image to compare with is at `path`, or else it is `picture`.
     """
     if first:
         # On a full disk nothing is stored; a later vibe then compares with its own start.

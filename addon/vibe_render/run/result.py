@@ -23,10 +23,11 @@ def apply(
     pivot: Sequence[float],
     change: Change | None = None,
 ) -> None:
-    """Writes a result into the scene and lists what it changed; a failure leaves the scene as it was.
+    """Writes a result into the scene and lists the changed values; a failure leaves the scene as it was.
 
     After an earlier vibe that was not kept, the old values in the list are still the artist's own, to which Revert goes
-    back. `change` is the change of the steps; None stands for a first prompt.
+    back. `change` is the effect of a further sentence on the steps; None for a first prompt. `subject` and `pivot` are
+    as for `bindings.instances`.
     """
     settings = scene.vibe
     current = bindings.read(scene, subject, pivot)
@@ -46,7 +47,7 @@ def apply(
 
 
 def show(scene: bpy.types.Scene, steps: Steps) -> None:
-    """Writes the values of the shown steps, lists them, and stores the steps in the scene; a failure changes nothing.
+    """Writes the values of the shown steps, lists the changed values, and stores the steps; a failure changes nothing.
 
     Materials or lights that the artist has deleted stay deleted. Raises VibeError if the values do not fit the scene.
     """
@@ -78,7 +79,7 @@ def show(scene: bpy.types.Scene, steps: Steps) -> None:
 
 
 def choose(scene: bpy.types.Scene, number: int, variant: messages.Variant, subject: Sequence[bpy.types.Object]) -> None:
-    """Writes another variant of the last vibe, by its number, in place of the one that is in the scene."""
+    """Writes `variant`, with its number among the last vibe's variants (from 0), in place of the one in the scene."""
     settings, steps = scene.vibe, Steps.of(scene)
     current = bindings.read(scene, subject, steps.pivot)
     change = Change(steps, title=settings.vibed_prompt, place=0 if steps.steps else None)
@@ -102,13 +103,16 @@ def mix(scene: bpy.types.Scene) -> None:
 
 
 def cause(reason: str) -> str:
-    """The word that a reason quotes, or else the reason: “night” for "'night' (dark night scene)"."""
+    """The word that a reason quotes, or else the whole reason: “night” for "'night' (dark night scene)"."""
     quoted = re.match(r"'(.+?)'(?!\w)", reason)
     return f"“{quoted[1]}”" if quoted else reason
 
 
 def keyframe(scene: bpy.types.Scene) -> list[str]:
-    """Keyframes the shown values at the current frame, next to other moments; returns a line on each one left alone."""
+    """Keyframes the listed values at the current frame; returns a line on each value that was left alone.
+
+    Keyframes of looks at other frames stay; those of an earlier look at this frame are replaced.
+    """
     settings = scene.vibe
     if settings.show_original:
         settings.show_original = False
@@ -125,7 +129,7 @@ def keyframe(scene: bpy.types.Scene) -> list[str]:
 
 
 def keep(scene: bpy.types.Scene) -> None:
-    """Makes the values the artist's own; there is nothing to revert to afterwards."""
+    """Makes the result's values the artist's own; there is nothing to revert to afterwards."""
     settings = scene.vibe
     if settings.show_original:
         settings.show_original = False
@@ -135,7 +139,10 @@ def keep(scene: bpy.types.Scene) -> None:
 
 
 def revert(scene: bpy.types.Scene) -> list[str]:
-    """Restores the scene as it was before the first vibe; returns and raises as `snapshot.revert`."""
+    """Restores the scene as it was before the first vibe; returns a line on each value that could not be restored.
+
+    Raises as `snapshot.load`.
+    """
     lost = snapshot.revert(scene)
     _forget(scene)
     return lost

@@ -28,12 +28,12 @@ from .driver import ANCHORING, Driver
 
 READING = "Reading the scene"
 PAUSING = (READING, ANCHORING)  # stages that block Blender; the larger the scene, the longer
-_READ_WITHIN = 20.0  # seconds; a prompt that takes longer to read counts as describing everything
+_READ_WITHIN = 20.0  # seconds to read a prompt; one that takes longer counts as describing everything
 SILENT = 30.0  # seconds without a message from the engine, after which the panel says so
 
 
 def scene_settings(scene: Scene) -> tuple[Any, ...]:
-    """The scene's own settings that its export depends on, to find out whether they have changed."""
+    """Values of the settings that a scene's export depends on, to find out whether they have changed."""
     # Blender reports their changes in the same way as a character that is typed into the prompt.
     render, view, vibe = scene.render, scene.view_settings, scene.vibe
     picture = render.resolution_x, render.resolution_y, render.resolution_percentage
@@ -48,22 +48,22 @@ class SceneSession(Driver):
     def __init__(self, context: Context, engine: Engine) -> None:
         super().__init__(engine, Path(bpy.app.tempdir) / f"vibe-{uuid.uuid4().hex[:8]}")
         settings = context.scene.vibe
-        self.scene = context.scene.name  # at the start
+        self.scene = context.scene.name  # the name at the start
         self._uid = context.scene.session_uid  # not the scene: after an undo a reference would be dangling
         # lines for the artist on what the engine renders only approximately; `view_notes` are among them
         self.warnings: list[str] = []
         self.view_notes: list[str] = []  # lines for the artist on what spoils the image with any look
         self._filling = ""  # see `SceneJob`
-        self._subject: list[str] = []
-        self._pivot = (0.0, 0.0, 0.0)
+        self._subject: list[str] = []  # names of the subject's objects
+        self._pivot = (0.0, 0.0, 0.0)  # the center of the subject's bounding box
         self._before_path = Path()  # of the before image
-        self._keyed = False  # whether this session has set keyframes of looks aside
-        self._shown: dict[str, list[float]] | None = None  # values of the look that is in the scene
+        self._keyed = False  # True if this session has muted keyframes of looks
+        self._shown: dict[str, list[float]] | None = None  # values of the look in the scene; None if none
         self._options = settings.engine_options(context)
         self._choice = settings.choice()
 
     def discard(self) -> None:
-        """Deletes the temporary files, also the preview's image."""
+        """Deletes the job folder, with the images in it."""
         shutil.rmtree(self._job, ignore_errors=True)
 
     def subject(self, scene: Scene) -> list[Object]:
@@ -131,12 +131,16 @@ class SceneSession(Driver):
         return scene
 
     def _scene_if_there(self) -> Scene | None:
-        """The scene, or None if it is gone. Its session uid outlives renaming and undo, and is unique across files."""
+        """The session's scene, found by its session uid (unique, also after renaming and undo); None if it is gone."""
         return next((s for s in bpy.data.scenes if s.session_uid == self._uid), None)
 
 
 class Session(SceneSession):
-    """One vibe of the open scene, and then a check of its frames."""
+    """One vibe of the open scene; afterwards it can check the result at other frames.
+
+    `ask`: False if nobody can be asked about shared materials; then all their users change. `change`: the effect of a
+    further sentence on the steps; None for the prompt in the panel.
+    """
 
     patience = 900.0
 
@@ -149,21 +153,21 @@ class Session(SceneSession):
         self.like = like if self._change.first else ""  # name of the reference image; "" for none
         # what to do about the subject's materials that other objects use too: "ASK", "ALL" or "SINGLE"
         self.shared = settings.shared if ask or settings.shared != "ASK" else "ALL"
-        # names of shared materials -> those of their other users, while the artist is asked; else empty
+        # while the artist is asked: name of a shared material -> names of its other users; else empty
         self.question: dict[str, list[str]] = {}
-        self.checking = False  # whether frames are being checked
-        self._vibed = False  # whether an earlier vibe is in the scene
+        self.checking = False  # True while frames are checked
+        self._vibed = False  # True if the scene has an earlier result
         saved = preferences.get(context)
         self._key = saved.vlm_key if saved else ""
         self._steps = self._run()
 
     @property
     def wanted(self) -> str:
-        """The target look as panels show it."""
+        """The request, as panels show it: the words in quotation marks, and the reference image's name."""
         return reference.request_title(self.prompt, self.like)
 
     def advance(self) -> bool:
-        """Does the next step; False if the vibe is done. If it raises VibeError, the scene is as it was."""
+        """Does the next step; returns True, or False if the vibe is done. After a VibeError the scene is as it was."""
         try:
             return next(self._steps, None) is not None
         except OSError as error:
@@ -178,13 +182,13 @@ class Session(SceneSession):
         return self.progress is not None and not (self._stopping or self.checking)
 
     def check(self, scene: Scene, every: int) -> None:
-        """Makes `advance` check every so many frames of the scene's range; the results are in `sequence`."""
+        """Makes `advance` check each `every`-th frame of the scene's range; `sequence` gets the results."""
         choice, verdicts = SubjectChoice(tuple(self._subject)), self.report.get("verdicts", ())
         self.checking = True
         self._steps = self._check_frames(scene, every, verdicts, choice, self._options.seed)
 
     def cancel(self) -> None:
-        """Ends a vibe, whose scene is then as it was before, or a check of frames, which leaves the result in it."""
+        """Ends a vibe, and restores the scene as it was; or ends a check of frames, which leaves the result there."""
         self._steps.close()
         if self.checking:
             self.checking, self.sequence = False, ()
@@ -255,7 +259,7 @@ class Session(SceneSession):
             yield from self._export()
 
     def _described(self) -> Generator[str, None, frozenset[str]]:
-        """Names of objects and materials that the prompt describes, as the engine reads it; everything for an image."""
+        """Names of objects and materials that the prompt describes; `EVERYTHING` for an image or after a long wait."""
         if self.like:
             return EVERYTHING
         job, target = str(self._job), self._options.target
@@ -270,7 +274,7 @@ class Session(SceneSession):
         return frozenset(names - (targets.GENERAL.keys() - EVERYTHING))
 
     def answer(self, choice: str) -> None:
-        """Takes the artist's answer to the question: "ALL" or "SINGLE"."""
+        """Takes the artist's answer to the question about shared materials: "ALL" or "SINGLE"."""
         self.shared, self.question = choice, {}
 
     def _check(self) -> None:

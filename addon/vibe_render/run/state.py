@@ -15,20 +15,20 @@ from .session import Session
 
 
 class AddonState:
-    """A warm engine, and the session that runs or ran last."""
+    """The engine, the session (one vibe) that runs or ran last, Live (looks while one types), and the light mix."""
 
     def __init__(self) -> None:
         self.session: Session | None = None  # the newest; its images stay until the next one, Keep or Revert
-        self.running = False  # whether the session still runs
-        self.failure: schema.VibeError | None = None  # ended the session; kept until the artist dismisses it
-        self.live: Live | None = None  # the looks of words that are being typed; None if Live is off
+        self.running = False  # True while the session runs
+        self.failure: schema.VibeError | None = None  # that ended the session; kept until dismissed
+        self.live: Live | None = None  # looks of the words so far; None if Live is off
         self.readings = WordReadings()  # the engine's readings of the words that are typed
         self.mix: RenderedMix | None = None  # the light layers of the newest render; None until one is rendered
         self._engine: Engine | None = None
         self._engine_choice: tuple[str, Path] | None = None
 
     def begin(self, context: bpy.types.Context, ask: bool = False, change: Change | None = None) -> Session:
-        """Starts a session, to which Live hands its look; arguments as for `Session`."""
+        """Starts a session, to which Live hands its look, and returns the session; arguments as for `Session`."""
         self.forget()
         self.forget_mix()
         self.session, self.running = Session(context, self.engine(context), ask, change), True
@@ -37,34 +37,34 @@ class AddonState:
         return self.session
 
     def live_for(self, context: bpy.types.Context) -> Live:
-        """The Live of this scene; that of another scene is ended."""
+        """The `Live` of the context's scene, made if there is none; one of another scene is ended."""
         if self.live is None or self.live.scene != context.scene.name:
             self.end_live()
             self.live = Live(context, self.engine(context))
         return self.live
 
     def live_job(self, scene: bpy.types.Scene) -> Path | None:
-        """The job folder that Live has exported of a scene; None if there is none, or the scene has changed since."""
+        """The job folder to which Live has exported the scene; None without one, or if the scene has changed since."""
         return self.live.job if self.live and self.live.scene == scene.name else None
 
     def end_live(self) -> None:
-        """Ends Live; the scene is as it was."""
+        """Ends Live, and takes its look out of the scene."""
         if self.live:
             self.live.close()
         self.live = None
 
     @property
     def has_engine(self) -> bool:
-        """True if an engine has been started, or will be."""
+        """True if there is an `Engine`, whether its process has been started or not."""
         return self._engine is not None
 
     @property
     def engine_runs(self) -> bool:
-        """True if there is an engine that can be asked something."""
+        """True if the engine's process runs, so that requests can be sent."""
         return self._engine is not None and self._engine.alive
 
     def engine(self, context: bpy.types.Context) -> Engine:
-        """The last engine, or a new one that is not started if the preferences have changed."""
+        """The engine of the last call; if the preferences have changed, a new one that is not started yet."""
         choice = preferences.engine_choice(context), preferences.cache_folder(context)
         if self._engine is None or choice != self._engine_choice:
             self.close_engine()
@@ -72,7 +72,7 @@ class AddonState:
         return self._engine
 
     def warm_up(self, context: bpy.types.Context) -> None:
-        """Starts the engine in the background; if that fails, the next vibe says why."""
+        """Starts the engine in the background; if that fails, the next vibe reports the reason."""
         background.begin(self.engine(context).start)
 
     def end(self, failure: schema.VibeError | None = None) -> None:
@@ -84,7 +84,7 @@ class AddonState:
         self.running, self.failure = False, failure
 
     def cancel(self) -> None:
-        """Cancels a running vibe, so that the scene is as it was, or a check of frames, which leaves the result."""
+        """Cancels a running vibe, and restores the scene; or cancels a check of frames, and leaves the result in it."""
         checking = self.session and self.session.checking
         if self.session and self.running:
             self.session.cancel()
@@ -112,7 +112,7 @@ class AddonState:
         self.readings.forget()
 
     def leave_file(self) -> None:
-        """Ends all that belongs to the open file."""
+        """Ends the session, the light mix and Live, which belong to the open file."""
         self.cancel()
         self.forget()
         self.forget_mix()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts that panels share: wrapped text, durations and sizes in words, images and colors as icons, redrawing, timers."""
+"""Parts that panels share: wrapped text, durations and sizes in words, icons of images and colors, timers."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ _PLACES = {"VIEW_3D": "UI", "PREFERENCES": "WINDOW"}  # areas that have panels o
 _GAP = 6  # pixels between two images in one icon
 _CAPTIONS = ("Before", "After, as predicted")
 
-_Version = tuple[tuple[Path, int], ...]
-# (Cropped to a square or not, image files), or a color -> (their versions, their icon): the icons that are in use.
+_Version = tuple[tuple[Path, int], ...]  # each image file with its modification time (ns)
+# Icons in use. Key: a color, or (True if cropped to a square, image files). Value: the files' versions, the icon.
 _slots: dict[tuple[bool, tuple[Path, ...]] | str, tuple[_Version, bpy.utils.previews.ImagePreviewCollection]] = {}
-_timers: set[Callable[[], float | None]] = set()
+_timers: set[Callable[[], float | None]] = set()  # those that `begin` has registered
 HEX_COLOR = re.compile(r"(#[0-9a-f]{6})")
 
 
@@ -48,14 +48,14 @@ def paragraph(
 
 
 def see_rendered(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """Draws a button that switches the viewport to Rendered, unless it is."""
+    """Draws a button that switches the viewport to Rendered, unless it is Rendered already."""
     space = context.space_data
     if space and space.type == "VIEW_3D" and space.shading.type != "RENDERED":
         layout.prop_enum(space.shading, "type", "RENDERED", text="Rendered View")
 
 
 def columns(context: bpy.types.Context) -> int:
-    """About how many characters go into a line of the region."""
+    """The approximate number of characters that fit into a line of the region; at least 16."""
     return max(16, int(context.region.width / (7.0 * context.preferences.system.ui_scale)) - 5)
 
 
@@ -85,7 +85,10 @@ def redraw() -> None:
 
 
 def begin(timer: Callable[[], float | None], after: float, persistent: bool = False) -> None:
-    """Registers a timer function, unless it is; called again after the seconds that it returns, until it returns None."""
+    """Registers a timer function, unless it is registered already; Blender first calls it in `after` seconds.
+
+    It returns the seconds until its next call, or None to end. If `persistent`, it goes on when a file is opened.
+    """
     _timers.add(timer)
     if not bpy.app.timers.is_registered(timer):
         bpy.app.timers.register(timer, first_interval=after, persistent=persistent)
@@ -107,7 +110,10 @@ def look_icon(look: Look) -> int:
 
 
 def icon(*pictures: Path | None, square: bool = False) -> int:
-    """The icon number of image files, joined (wide ones one above the other) or cropped to a `square`; 0 for none."""
+    """The number of an icon that shows all image files that exist; 0 if none does.
+
+    Several images are side by side or, if wide, one above the other. With `square`, the icon is the middle square.
+    """
     there = tuple(p for p in pictures if p is not None and p.is_file())
     if not there:
         return 0
@@ -148,7 +154,7 @@ def before_after(
     scale: float,
     captions: Sequence[str] = _CAPTIONS,
 ) -> None:
-    """Draws those of two images that exist as one icon, with their captions."""
+    """Draws those of two image files that exist as one icon, `scale` buttons high, with their captions."""
     pairs = zip((before, after), captions, strict=True)
     there = [(path, name) for path, name in pairs if path and path.is_file()]
     if not there:
@@ -166,7 +172,7 @@ def before_after(
 
 
 def caption(layout: bpy.types.UILayout, text: str, scale: float = 1.0) -> None:
-    """Draws a faint, centered line of text."""
+    """Draws a faint, centered line of text, `scale` buttons high."""
     row = layout.row()
     row.active, row.alignment, row.scale_y = False, "CENTER", scale
     row.label(text=text)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""State of the engine: it is looked for, tested and set up in the background, while panels show the progress."""
+"""State of the engine's environment: found, tested and set up in the background, while panels show the progress."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ class EngineState:
         self._forget()
 
     def _forget(self) -> None:
-        self.python: Path | None = None  # has the engine; None while it is looked for, or if there is none
-        self.problem: schema.VibeError | None = None  # if no engine was found
-        self.setup: EngineSetup | None = None  # that is going on
+        self.python: Path | None = None  # of the engine; None while it is looked for, or if there is none
+        self.problem: schema.VibeError | None = None  # if no engine was found; else None
+        self.setup: EngineSetup | None = None  # that is running; None if none is
         self.outcome, self.succeeded = "", True  # of the last test or setup, in words for the preferences
-        self._choice: str | None = None
-        self.search_work: Future[Path] | None = None  # as long as the engine is looked for
-        self.test_work: Future[str] | None = None  # as long as it is tested
+        self._choice: str | None = None  # of the last search
+        self.search_work: Future[Path] | None = None  # while the engine is looked for
+        self.test_work: Future[str] | None = None  # while the engine is tested
 
     def search(self, choice: str, again: bool = False) -> None:
-        """Looks for the engine in the background; does so only once for a choice, unless `again`."""
+        """Sets `python` or `problem` in the background; looks only once for the same choice, unless `again`."""
         if self.search_work or (choice == self._choice and not again):
             return
         self._choice, self.python, self.problem = choice, None, None
@@ -45,13 +45,13 @@ class EngineState:
         drawing.begin(self._timer, _TICK, persistent=True)
 
     def test(self, choice: str) -> None:
-        """Starts an engine in the background to see whether it answers; the result is the `outcome`."""
+        """Starts an engine in the background to see whether it answers; sets `outcome` and `succeeded`."""
         if not self.test_work:
             self.test_work = background.begin(lambda: version(choice))
             drawing.begin(self._timer, _TICK, persistent=True)
 
     def set_up(self, build: TorchBuild) -> None:
-        """Makes an environment for the engine, with this build of torch, in the background; raises as `requirements`."""
+        """Makes the engine's environment, with this build of torch, in the background; raises as `requirements`."""
         if not self.setup:
             self.setup = EngineSetup(setup_folder(), requirements(), build)
             drawing.begin(self._timer, _TICK, persistent=True)
@@ -63,7 +63,7 @@ class EngineState:
         self._forget()
 
     def tick(self) -> float | None:
-        """Timer function: takes results of background work; returns the seconds to the next call, None for none."""
+        """Timer function: takes results of background work; returns the seconds to the next call; None without work."""
         if self.search_work and self.search_work.done():
             self.python, self.problem = _answer_of(self.search_work)
             self.search_work = None

@@ -25,7 +25,7 @@ def _shown(scene: bpy.types.Scene) -> light_mix.RenderedMix | None:
 
 
 def draw_soon(_slider: object = None, _context: object = None) -> None:
-    """Mixes the image anew after a moment, once for all sliders that have moved by then; also an update of a slider."""
+    """Mixes the image anew in `_TICK` seconds, once for all sliders moved by then; also their update function."""
     if addon_state.mix:
         drawing.begin(_draw, _TICK)
 
@@ -46,7 +46,7 @@ def _draw() -> float | None:
 
 
 def render_soon() -> None:
-    """Renders the light layers of the scene after a vibe, if that is switched on."""
+    """Renders the light layers of the scene after a vibe, if "After Each Vibe" is switched on."""
     if bpy.context.scene.vibe.light_mix and bpy.context.window:
         drawing.begin(_render, _TICK)
 
@@ -72,7 +72,7 @@ class VibeMixChannel(bpy.types.PropertyGroup):
     )
 
     def product(self) -> Color:
-        """The factor of red, green and blue."""
+        """The factors of red, green and blue: power times color."""
         red, green, blue = self.color
         return self.factor * red, self.factor * green, self.factor * blue
 
@@ -81,17 +81,17 @@ class VibeMixChannel(bpy.types.PropertyGroup):
 
 
 def moved(scene: bpy.types.Scene) -> dict[str, Color]:
-    """Channels whose slider or color has been moved, to their factors of red, green and blue."""
+    """Channel name -> its factors of red, green and blue, for channels whose slider or color is not neutral."""
     return {c.name: c.product() for c in scene.vibe.mix if c.product() != light_mix.WHITE}
 
 
 def colors(scene: bpy.types.Scene) -> dict[str, Color]:
-    """Channels to their factors since the render: those that Apply has written, times those of slider and color."""
+    """Channel name -> its factors of red, green and blue since the render: those from Apply times `product`."""
     return {c.name: tuple(a * p for a, p in zip(c.applied, c.product(), strict=True)) for c in scene.vibe.mix}
 
 
 class MixPanel(bases.IdlePanel):
-    """The image of the mix, a slider and a color for each light, and what writes them into the scene."""
+    """The image of the mix, a slider and a color for each light, and buttons that write the mix into the scene."""
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
@@ -162,7 +162,7 @@ class VIBE_OT_mix_apply(_Mixed, label="Apply"):
     """Write the mix into power and color of lights, world and emitting materials, as a step that Revert takes back"""
 
     def perform(self, context: bpy.types.Context) -> str:
-        """Writes the factors since the render, notes them in `applied`, and resets the sliders."""
+        """Writes the moved channels' factors since the render, stores them in `applied`, and resets the sliders."""
         scene, rendered = context.scene, addon_state.mix
         assert rendered
         if scene.vibe.show_original:

@@ -19,7 +19,7 @@ _keys: list[tuple[Any, Any]] = []  # keymap and item of each key that is registe
 
 
 def switched(window_manager: Any, context: bpy.types.Context) -> None:
-    """Update of the switch: on, requests the look of the present words; off, leaves the scene as it was."""
+    """Update function of the switch: starts Live with the present words, or ends it and restores the scene."""
     if window_manager.vibe_live:
         typed(context.scene.vibe, context)
     else:
@@ -27,7 +27,7 @@ def switched(window_manager: Any, context: bpy.types.Context) -> None:
 
 
 def typed(settings: Any, context: bpy.types.Context) -> None:
-    """Update of the prompt, at every character: hands the words to Live, if it is on."""
+    """Update function of the prompt, at every character: hands the words to Live, if Live is on."""
     if not context.window_manager.vibe_live or addon_state.running or bases.untouchable(context):
         return
     addon_state.live_for(context).typed(settings.prompt)
@@ -62,7 +62,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, live: Live) -> 
 
 
 def draw_words(layout: bpy.types.UILayout, context: bpy.types.Context, words: Mapping[str, bool]) -> None:
-    """Draws the words that are not visible in the look so far."""
+    """Draws the words that are not visible in the look so far; `words`: look word -> True if it is visible."""
     if missing := [word for word, shown in words.items() if not shown]:
         drawing.paragraph(layout, context, f"Not visible yet: {', '.join(missing)}", "HIDE_ON")
     elif words:
@@ -94,7 +94,7 @@ class VIBE_OT_escaped(bases.Operator, label="Take the Look Away", options={"INTE
 
 
 def _typed_here(context: bpy.types.Context) -> bool:
-    """True if the pointer is over the tab "Vibe", and words were typed that no vibe has taken over yet."""
+    """True if the pointer is over the tab "Vibe", and words have been typed that no vibe has been started for."""
     live, region = addon_state.live, context.region
     return bool(live and live.typing and region and region.active_panel_category == "Vibe")
 

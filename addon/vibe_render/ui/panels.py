@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The main panel, the order of all panels in the tab "Vibe", and what follows when a file is opened, saved or changed."""
+"""The main panel, the order of all panels in the tab "Vibe", and handlers of opened, saved or changed files."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .engine_state import engine_state
 
 
 class MainPanel:
-    """Prompt and button; progress while a vibe runs; its failure."""
+    """The prompt and the button Vibe It; while a vibe runs, its progress; afterwards its failure, if any."""
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]
@@ -56,7 +56,7 @@ class MainPanel:
 
 
 def _panel(name: str, label: str, base: type, parent: str = "") -> type:
-    """The class of a panel of the tab, which `base` draws; inside the panel `parent`, if one is named."""
+    """A panel class for the tab "Vibe", drawn as `base` does; inside the panel named `parent`, unless that is ""."""
     names = {"bl_label": label, "bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Vibe"}
     names |= {"__module__": __name__, "__doc__": base.__doc__ or ""}
     names |= {"bl_parent_id": f"VIBE_PT_{parent}"} if parent else {}

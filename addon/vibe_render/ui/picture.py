@@ -61,7 +61,7 @@ PictureSettings.__annotations__ |= {
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """Draws the image, and what is copied from it; closed at first, with the image's name in the header."""
+    """Draws the reference image and the traits to copy; closed at first, with the image's name in the header."""
     settings = context.scene.vibe
     header, body = layout.panel("vibe_reference_image", default_closed=True)
     given = reference.picture_name(settings)

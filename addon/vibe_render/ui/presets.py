@@ -23,7 +23,7 @@ _SHOWN = 5  # most lines that are shown on values that did not fit
 
 
 class VibePresets(bpy.types.PropertyGroup):
-    """The fields of the preset panel; they belong to the window."""
+    """The fields of the preset panel, kept in the window manager, not in the scene."""
 
     search: StringProperty(
         name="Search", description="Words of a preset's name or prompt", options={"TEXTEDIT_UPDATE", "SKIP_SAVE"}
@@ -135,7 +135,7 @@ def _draw_chosen(layout: bpy.types.UILayout, context: bpy.types.Context, look: l
 
 
 class _PresetOperator(IdleOperator):
-    """An operator on the preset at `path`, or on the chosen one if that is empty."""
+    """An operator on the preset at `path`, or on the chosen preset if `path` is empty."""
 
     path: StringProperty(options={"HIDDEN", "SKIP_SAVE"}, description="The preset's file; empty: the chosen one")
 
@@ -165,7 +165,7 @@ class _OwnPresetOperator(_PresetOperator):
 
 
 class _NameDialog:
-    """A dialog for a name; its field is active at once."""
+    """A dialog that asks for a preset's name; the text field is active at once."""
 
     name: StringProperty(name="Name", description="What the preset is called in lists", maxlen=preset.LONGEST_NAME)
 
@@ -270,7 +270,7 @@ class _ExportDialog(_FileDialog, ExportHelper):
     """A file dialog for saving, with a proposed name."""
 
     def propose(self, context: bpy.types.Context, event: bpy.types.Event, name: str, folder: str = "") -> set[str]:
-        """Proposes a file for a look, in the last dialog's folder, or else in the given one."""
+        """Opens the dialog with a path for the look `name`, in the last dialog's folder, or else in `folder`."""
         if self.filepath:  # type: ignore[has-type]
             folder = str(Path(self.filepath).parent)  # type: ignore[has-type]
         self.filepath = str(library.path_for(Path(folder), name).with_suffix(self.filename_ext))
@@ -329,7 +329,7 @@ class VIBE_OT_export_assets(_LookOperator, _ExportDialog, label="Export as Asset
     filter_glob: StringProperty(default="*.blend", options={"HIDDEN"})
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Asks where; proposes the first asset library."""
+        """Opens the file dialog; proposes the folder of the first asset library."""
         libraries = context.preferences.filepaths.asset_libraries
         return self.propose(context, event, _look_name(context), libraries[0].path if libraries else "")
 

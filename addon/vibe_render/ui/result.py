@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A result in the panel: images, Keep and Revert, strength, variants, visible words, changes and their reasons; one undo step each."""
+"""The result in the panel: images, Keep, Revert, strength, variants, words, changes. Each action is one undo step."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from .bases import HELD, Operator, ResultOperator
 from .drawing import GROUP_ICONS, HEX_COLOR, before_after, colored, columns, icon, paragraph, see_rendered
 from .scope import draw_lock
 
-_STATES = {  # of a word's verdict -> its title and its icon
+_STATES = {  # state of a word's verdict -> title and icon of the state
     "visible": ("Visible", "HIDE_OFF"),
     "already": ("Was so already", "DOT"),
     "unmeasured": ("Set, not measured", "DOT"),
@@ -91,7 +91,7 @@ class ResultPanel:
 
 
 def _keyframes_note(scene: bpy.types.Scene) -> str:
-    """A line on the frames that have keyframes of looks, and on how these come back if they are set aside."""
+    """A line on the frames that have keyframes of looks, and, if these are muted, on how to bring them back."""
     try:
         numbers = [str(moment.frame) for moment in moments.of(scene)]
     except schema.VibeError as error:
@@ -103,7 +103,7 @@ def _keyframes_note(scene: bpy.types.Scene) -> str:
 
 
 def _draw_verdicts(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
-    """Draws the words that are visible and not visible, and the prediction's error: known only until Blender ends."""
+    """Draws the words that are visible and not visible, and the prediction's error; none of it outlives the session."""
     verdicts = session.report.get("verdicts", ())
     for state, (name, icon_name) in _STATES.items():
         if words := words_of(verdicts, state):
@@ -124,7 +124,7 @@ def _draw_verdicts(layout: bpy.types.UILayout, context: bpy.types.Context, sessi
 
 
 def agreement(difference: float, engine: str) -> tuple[str, bool]:
-    """The agreement of preview and render in words, and whether it is good; `difference` is their mean CIEDE2000."""
+    """The agreement of preview and render in words, and True if it is good; `difference`: their mean CIEDE2000."""
     if engine != "CYCLES":
         return "Preview is Cycles. EEVEE may look different", False
     # 1 is the least difference that people see side by side.
@@ -134,7 +134,7 @@ def agreement(difference: float, engine: str) -> tuple[str, bool]:
 
 
 def _draw_sequence(layout: bpy.types.UILayout, context: bpy.types.Context, session: Session) -> None:
-    """Draws Check Sequence, and below it each frame that lost a word or could not be checked, with its image."""
+    """Draws the button Check Sequence, and each frame that lost a word or could not be checked, with its image."""
     row = layout.row(align=True)
     row.operator("vibe.check_sequence", icon="SEQUENCE")
     row.prop(context.scene.vibe, "check_every")
@@ -150,7 +150,7 @@ def _draw_sequence(layout: bpy.types.UILayout, context: bpy.types.Context, sessi
 
 
 def _draw_variants(layout: bpy.types.UILayout, variants: Sequence[tuple[messages.Variant, Path]], current: int) -> None:
-    """Draws each variant as an image, cropped to a square, with its button close below."""
+    """Draws each variant as a square image with a button below; `current`: number of the one in the scene, from 0."""
     across = min(len(variants), 4)
     grid = layout.grid_flow(row_major=True, columns=across, even_columns=True, align=True)
     for number, (_, picture) in enumerate(variants):
@@ -163,7 +163,7 @@ def _draw_variants(layout: bpy.types.UILayout, variants: Sequence[tuple[messages
 
 
 def draw_changes(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """Draws each changed value with its old value and the reason, by light, material and so on; closed at first."""
+    """Draws each changed value with its old value and its reason, grouped by light, material …; closed at first."""
     changes = [c for c in context.scene.vibe.changes if not labels.same(c.name, *c.values())]
     header, body = layout.panel("vibe_changes", default_closed=True)
     header.label(text=f"Changes ({len(changes)})")
@@ -180,7 +180,7 @@ def draw_changes(layout: bpy.types.UILayout, context: bpy.types.Context) -> None
 
 
 def _draw_changes(layout: bpy.types.UILayout, context: bpy.types.Context, same: Sequence[Any], why: str) -> None:
-    """Draws values that changed for the same reason, and below them the word behind it; its tooltip is the reason."""
+    """Draws changes with the same cause, and below them `why`, the cause, with the whole reason as its tooltip."""
     for change in same:
         parameter = labels.parameter(change.name)
         row = layout.row(align=True)

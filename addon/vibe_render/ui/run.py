@@ -81,7 +81,7 @@ class Vibing(bases.Operator, options={"UNDO"}):
         return self._done(failure, "WARNING")  # the panel explains; no need for a pop-up
 
     def cancel(self, context: bpy.types.Context) -> None:
-        """Blender calls this when the window closes; nothing has been written yet."""
+        """Cancels the vibe, of which nothing is written yet; Blender calls this when the window closes."""
         if addon_state.session is self._session:
             addon_state.cancel()
         self._clean_up(context)
@@ -99,7 +99,7 @@ class Vibing(bases.Operator, options={"UNDO"}):
         return set()
 
     def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session | None:
-        """Begins a session, which asks about shared materials if `ask`; None if there is nothing left to do."""
+        """Begins and returns a session, which may ask about shared materials if `ask`; None if all is done already."""
         raise NotImplementedError
 
     def _done(self, failure: schema.VibeError | None, severity: str) -> set[str]:
@@ -253,7 +253,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context, session: Sessio
 
 
 def _draw_question(layout: bpy.types.UILayout, context: bpy.types.Context, question: dict[str, list[str]]) -> None:
-    """The shared materials, and the two answers."""
+    """Draws the shared materials and the two answers. `question`: material -> names of its other users."""
     text = "The subject shares materials with other objects. May these change, too?"
     drawing.paragraph(layout, context, text, "INFO")
     for name, users in list(question.items())[:4]:

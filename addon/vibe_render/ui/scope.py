@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The limits of a vibe: the panel of groups and subject, and the list of all single values, each with a lock."""
+"""The limits of a vibe: panels of the groups and the subject, of single values with locks, of advanced settings."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def _fill_soon(uid: int) -> None:
 
 
 def fill(scene: bpy.types.Scene) -> None:
-    """Lists the scene's values."""
+    """Fills the list with the scene's values, each with its key, title and the reason if it is locked."""
     global _listed
     _listed = _fingerprint(scene)
     rows = bpy.context.window_manager.vibe_values.rows
@@ -86,7 +86,7 @@ class VibeValue(bpy.types.PropertyGroup):
 
 
 class VibeValues(bpy.types.PropertyGroup):
-    """The rows of the list; they belong to the window, not to the file."""
+    """The rows of the list, kept in the window manager, not in the scene."""
 
     rows: CollectionProperty(type=VibeValue)
     active: IntProperty(options={"SKIP_SAVE"})
@@ -96,7 +96,7 @@ class VIBE_UL_values(bpy.types.UIList):
     """One value and its lock on each line."""
 
     def draw_item(self, context, layout, _data, item, _icon, _active_data, _active) -> None:
-        """Draws a line: group, whose value, lock."""
+        """Draws a value in one line: the icon of its group, its title, its lock."""
         settings, reason = context.scene.vibe, item.reason
         group = schema.split_key(item.name)[0]
         if not getattr(settings, f"change_{group}"):
@@ -115,7 +115,7 @@ class VIBE_UL_values(bpy.types.UIList):
 
 
 def draw_lock(layout: bpy.types.UILayout, settings: Any, key: str, reason: str = "") -> None:
-    """Draws the lock of a value. With a reason why the value must stay, it is closed, and the reason is its tooltip."""
+    """Draws the lock of the value `key`; closed, with `reason` as tooltip, if there is a reason why it must stay."""
     row = layout.row()
     row.enabled = not reason
     icon = "LOCKED" if reason or key in settings.locks else "UNLOCKED"
@@ -158,7 +158,7 @@ class VIBE_OT_unlock_all(Operator, label="Unlock All", options={"UNDO"}):
 
 
 class AdvancedPanel(IdlePanel):
-    """Numbers that few need."""
+    """Settings that few artists need: patterns of locked values, and numbers of the search."""
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.vibe  # type: ignore[attr-defined]

@@ -24,7 +24,7 @@ from .properties import declare
 _DIALOG_WIDTH, _DIALOG_LETTERS = 420, 62
 _EVERY = 3.0  # seconds between two measurements of the cache: Blender draws many times a second
 
-_measured: dict[Path, tuple[float, str]] = {}  # when a folder was measured, and its size in words
+_measured: dict[Path, tuple[float, str]] = {}  # folder -> time of its measurement, its size in words
 
 
 def _folder(name: str, description: str) -> Any:
@@ -272,5 +272,5 @@ def warm_up_soon() -> None:
 
 
 def _warm_up() -> None:
-    """Timer function: starting the engine while a panel is drawn would delay the drawing."""
+    """Starts the engine; a timer function, because starting it while a panel is drawn would delay the drawing."""
     addon_state.warm_up(bpy.context)

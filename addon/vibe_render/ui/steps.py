@@ -78,7 +78,7 @@ class VIBE_OT_further(run.Vibing, label="Go On"):
         return reason or ("Set up the engine first" if engine_state.problem else "")
 
     def _begin(self, context: bpy.types.Context, ask: bool = False) -> Session | None:
-        """Begins a session for the sentence; a change that needs no search is made at once."""
+        """Begins and returns a session for the sentence; None if its change needs no search and is made at once."""
         scene = context.scene
         settings = scene.vibe
         steps = _current(scene)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The words of the prompt, marked as understood, guessed or left out, with a menu of targets; the history of prompts."""
+"""The words of the prompt, marked as understood, guessed or left out, with menus of targets; the history of prompts."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from .bases import Operator
 
 _TICK = 0.02  # seconds between two checks for readings from the engine
 _STATE_ICONS = {"understood": "NONE", "guessed": "QUESTION", "left out": "CANCEL"}
-_FEW = 3  # selected objects that are named one by one
+_FEW = 3  # most selected objects that are named one by one
 _MARGIN, _ICON = 2, 3  # width of a word's margins, and of its icon, in characters
 _ICONS = {"light": "LIGHT", "sky": "WORLD", "picture": "IMAGE_DATA", "air": "MOD_FLUID", "none": "CANCEL"}
 """Kind of target -> icon, for targets that every scene has."""
-_MOST = 30  # prompts that are kept
+_MOST = 30  # most prompts that are stored
 _NAME = "prompts.json"
 
 
@@ -41,7 +41,7 @@ def _tick() -> float | None:
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """Draws the words as lines of buttons, which open a menu for each word; and a note if nothing is understood."""
+    """Draws each word of the prompt as a button that opens its menu, and a note if no word is understood."""
     if addon_state.engine_runs and addon_state.readings.due(context.scene, addon_state.live_job(context.scene)):
         drawing.begin(_tick, 0.0)  # has new words read
     readings = addon_state.readings.newest
@@ -149,7 +149,7 @@ class VIBE_OT_reword(Operator, label="Another Word", options={"UNDO", "INTERNAL"
     other: StringProperty()
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Replaces the last word of `word` in the prompt: an intensity before it, such as "very", stays."""
+        """Puts `other` into the prompt in place of `word`; an intensity before it, such as "very", stays."""
         settings, unknown = context.scene.vibe, self.word.rpartition(" ")[2]
         pattern = re.compile(rf"(?<!\w){re.escape(unknown)}(?!\w)", re.IGNORECASE)
         if not pattern.search(settings.prompt):
@@ -160,7 +160,7 @@ class VIBE_OT_reword(Operator, label="Another Word", options={"UNDO", "INTERNAL"
 
 
 def history() -> dict[str, list[str]]:
-    """The stored prompts of a user, the newest first, each with the artist's targets for its words: "copper=Cup"."""
+    """Stored prompt -> the targets chosen for its words ("copper=Cup"), the newest first; empty if none can be read."""
     try:
         rows = json.loads((own_folder("") / _NAME).read_text(encoding="utf-8"))
         return dict((row, []) if isinstance(row, str) else (row["prompt"], row["targets"]) for row in rows)
@@ -169,7 +169,7 @@ def history() -> dict[str, list[str]]:
 
 
 def remember(prompt: str, pairs: Sequence[str] = ()) -> None:
-    """Stores a prompt and its targets as the newest, and drops the oldest; ignores a file that cannot be written."""
+    """Stores a prompt, with its targets `pairs`, as the newest; drops the oldest. Ignores an unwritable file."""
     kept = {prompt: [*pairs]} | {text: each for text, each in history().items() if text != prompt}
     rows = [{"prompt": text, "targets": each} for text, each in kept.items()][:_MOST]
     with contextlib.suppress(OSError, schema.VibeError):
