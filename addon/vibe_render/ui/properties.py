@@ -23,7 +23,7 @@ _AUTO = "What was chosen before; otherwise the prominent objects in view, withou
 
 
 def declare(preferences: bool) -> dict[str, Any]:
-    """A property for each option of the schema that is one of the add-on's preferences, or else of the scene."""
+    """Option name -> Blender property, for the options among the add-on's preferences, or else for the scene's."""
     rows = [row for row in options.TABLE if row.panel and row.panel.preferences == preferences]
     # The panel declares options with choices, with its own titles.
     return {row.name: _property(row) for row in rows if not row.choices}
@@ -47,7 +47,7 @@ def _property(row: options.Option) -> Any:
 
 
 class VibeChange(bpy.types.PropertyGroup):
-    """One value that the last vibe changed. Its `name` is the parameter's key; a scalar is the first component."""
+    """One value that the last vibe changed. Its `name` is the parameter's key. Scalars use the first component."""
 
     before: props.FloatVectorProperty(size=3, subtype="COLOR", description="What it was")
     after: props.FloatVectorProperty(size=3, subtype="COLOR", description="What it is with the new look")
@@ -74,7 +74,7 @@ def _group_toggle(group: str) -> Any:
 
 
 def _dim(settings: "VibeSettings", context: bpy.types.Context) -> None:
-    """Update of Strength: shows the vibe at that strength, and switches Before off."""
+    """Update function of Strength: shows the vibe at that strength, and switches Before off."""
     if settings.show_original:
         settings.show_original = False  # its update writes the values
     else:
@@ -140,7 +140,7 @@ class VibeSettings(PictureSettings, bpy.types.PropertyGroup):
         name="Every", description="Frames from one that is checked to the next", default=10, min=1
     )
     vibed_prompt: props.StringProperty()
-    vibed_goals: props.StringProperty()  # as JSON, for presets
+    vibed_goals: props.StringProperty()  # of the last search, as JSON, for presets; "" for none
     vibed_like: props.StringProperty(description="The picture that the look comes from, if any")
     vibed_preset: props.StringProperty(description="The preset that the look comes from, if any")
     variant: props.IntProperty(description="Number of the variant that is in the scene", min=0)
@@ -152,7 +152,7 @@ class VibeSettings(PictureSettings, bpy.types.PropertyGroup):
         return SubjectChoice(selected=self.subject == "SELECTED")
 
     def target_pairs(self) -> list[str]:
-        """The artist's targets for words of the prompt: "copper=Cup"."""
+        """The artist's targets for the words that the prompt has, as "word=target": "copper=Cup"."""
         present = (each for each in self.targets if targets.is_said(each.name, self.prompt))
         return [f"{each.name}={each.target}" for each in present]
 
