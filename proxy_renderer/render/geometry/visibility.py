@@ -67,7 +67,7 @@ class TriangleTree:
         return np.concatenate(answers)
 
     def nearest(self, origin: np.ndarray, toward: np.ndarray, before: TraceResult | None) -> TraceResult:
-        """Nearest hits of rays (N, 3) on this tree; where they are nearer, those `before` on other trees (None for none)."""
+        """Nearest hits of rays (N, 3) on this tree, or the nearer hits `before` on other trees, if any."""
         if before is None:
             answer = self.run(origin, toward, output=1)
         else:
@@ -225,7 +225,7 @@ class RayGeometry:
         return replace(further, distance=further.distance + start)
 
     def nearest(self, origin: Tensor, toward: Tensor, ray: str, among: Sequence[TriangleClass] | None = None) -> Hits:
-        """Nearest hits of rays (3, N) of a kind, also on transparent surfaces; `among` some classes of triangles, or all."""
+        """Nearest hits of rays (3, N) of a kind, also on transparent surfaces; `among` limits the classes."""
         rays, met = (_rows(origin), _rows(toward)), None
         for each in self._classes if among is None else among:
             if ray not in each.hidden:
