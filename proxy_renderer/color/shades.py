@@ -66,8 +66,8 @@ def warm(a: float, b: float) -> float:
 def relative_shade(srgb: Values, lighter: float, chroma: float, strength: float = 1.0) -> Values:
     """A lighter or darker shade of an sRGB color, with its chroma multiplied by a factor.
 
-    `lighter` in [-1, 1] is the share of the way to white or, below 0, to black. `chroma` is the factor. `strength` is
-    above 1 for "very", below 1 for "slightly": the results are `lighter` * `strength` and `chroma` ** `strength`.
+    `lighter` in [-1, 1] is the share of the way to white or, below 0, to black. `chroma` is the factor. `strength`,
+    above 1 for "very" and below 1 for "slightly", changes both to `lighter` * `strength` and `chroma` ** `strength`.
     """
     way = min(abs(lighter * strength), 1.0)
     return shade(srgb, 1.0 - way, chroma**strength, 100.0 * (lighter > 0))

@@ -26,7 +26,7 @@ def direction(azimuth: Float[Tensor, ""], elevation: Float[Tensor, ""]) -> Float
 
 
 def frame(azimuth: Float[Tensor, ""], elevation: Float[Tensor, ""]) -> Float[Tensor, "3 3"]:
-    """Rotation (3, 3) of a camera at these angles, columns right, up, back; `schema.orbit.frame` in torch."""
+    """Rotation (3, 3) of a camera at angles () in degrees, columns right, up, back; `schema.orbit.frame` in torch."""
     a = torch.deg2rad(azimuth)
     z = direction(azimuth, elevation)
     x = torch.stack((a.cos(), a.sin(), torch.zeros_like(a)))
@@ -88,7 +88,7 @@ class View:
 
 
 def view_of(scene: SceneData, settings: RenderValues, size: tuple[int, int]) -> View:
-    """The view of a render of `size` (width, height): orbit and field of view from the settings, else the scene's."""
+    """View of a render of `size` (width, height): orbit and field of view from `settings`, the rest from `scene`."""
     camera = scene.camera
     azimuth, elevation = settings.scalar("camera/azimuth"), settings.scalar("camera/elevation")
     pivot = torch.tensor(scene.pivot, device=settings.device)

@@ -103,8 +103,8 @@ class GatherPoints:
     def turns(self, side: int) -> Tensor:
         """Numbers (A,) from 0 to side² - 1 of the gather points' cells; any square of side × side cells has each once.
 
-        Gather points of different numbers get different rays. Averages in which each number weighs the same show no
-        pattern: nearly those of `smooth_glossy` for a side of 2, and those of `smooth` for 4.
+        Gather points of different numbers get different rays. An average shows no pattern if each number weighs the
+        same in it, as in `smooth` for a side of 4, and nearly in `smooth_glossy` for 2.
         """
         column, row = self._cell % side
         return row * side + column

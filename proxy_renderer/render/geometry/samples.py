@@ -173,7 +173,7 @@ def _filter_points(device: torch.device) -> Tensor:
 
 @dataclass(frozen=True)
 class HitLayers(PointSet):
-    """N hits of camera rays, nearest first: surfaces that a ray passes through, then its end: a surface or a miss."""
+    """N hits of camera rays: the surfaces that a ray passes, nearest first, then the surface or miss that ends it."""
 
     ray: Tensor  # (N,) index of the ray
     number: Tensor  # (N,) number of surfaces that the ray has met before

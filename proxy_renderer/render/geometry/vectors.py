@@ -61,7 +61,7 @@ def length(a: Tensor, least: float = 1e-6) -> Tensor:
 
 
 def unit(a: Tensor, least: float = 1e-6) -> Tensor:
-    """Unit vectors (3, N); vectors shorter than `least` get a length below 1."""
+    """Vectors (3, N) scaled to unit length; vectors shorter than `least` get a length below 1."""
     return a * dot(a, a).clamp_min(least * least).rsqrt()
 
 

@@ -225,7 +225,7 @@ class RayGeometry:
         return replace(further, distance=further.distance + start)
 
     def nearest(self, origin: Tensor, toward: Tensor, ray: str, among: Sequence[TriangleClass] | None = None) -> Hits:
-        """Nearest hits of rays (3, N) of a kind, also on transparent surfaces; `among` limits the classes."""
+        """Nearest hits of rays (3, N) of a kind, transparent surfaces included; `among`: classes to meet, or all."""
         rays, met = (_rows(origin), _rows(toward)), None
         for each in self._classes if among is None else among:
             if ray not in each.hidden:

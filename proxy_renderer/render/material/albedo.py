@@ -23,7 +23,7 @@ COSINES = tuple((torch.linspace(0.0, 1.0, 24) ** 1.25 * 0.99 + 0.01).tolist())
 
 
 def basis(cosine: Float[Tensor, " n"]) -> Float[Tensor, "7 n"]:
-    """(7, N) powers of 1 - cosine (N,)."""
+    """The powers `_POWERS` of 1 - cosine (N,): (7, N)."""
     x = (1 - cosine).clamp(0.0, 1.0)
     x2 = x * x
     x3 = x2 * x
@@ -101,7 +101,7 @@ def _tables() -> dict[str, Tensor]:
     """Tables of coefficients over R values of roughness and Z values of the IOR.
 
     energy (R, 7): the single-scattering albedo without Fresnel; mean (R,): its cosine-weighted mean, not coefficients
-    schlick (R, 7): s in albedo = mix(F0, 1, s), with Schlick's fifth power as Fresnel curve
+    schlick (R, 7): s in albedo = energy * mix(F0, 1, s), with Schlick's fifth power as Fresnel curve
     edge (R, 7): the albedo of F82's edge term c (1 - c)^6, divided by the albedo without Fresnel
     dielectric (Z, R, 7): s for a dielectric's true Fresnel curve
     curve (Z, 7): that curve itself, (F - F0) / (1 - F0), over the cosine at the half vector

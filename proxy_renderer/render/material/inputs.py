@@ -194,7 +194,7 @@ class MaterialTextures:
         return surface.uv
 
     def relative_base_color(self, surface: Surface, geometry: RayGeometry) -> Tensor | None:
-        """Textured base colors (3, N) over the texture's mean, 1 without a texture; None if no point has a texture."""
+        """Base colors (3, N) over their texture's mean, 1 where none covers a point; None if no point has a texture."""
         result = None
         for material, row in enumerate(self._scene.materials):
             index = (surface.material == material).nonzero()[:, 0]

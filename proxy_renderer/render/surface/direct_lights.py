@@ -68,7 +68,7 @@ class DirectLights:
         return True
 
     def of(self, index: int, lamps: Sequence[LightSource], view_samples: ViewSamples, view: View) -> DirectLight:
-        """Direct light of light `index`, kept until `forget_moved`; with gradients if light or camera needs them."""
+        """Direct light of one light, kept until `forget_moved` drops it; differentiable if light or camera is."""
         lamp, moving = lamps[index], lamps[index].moving or view_samples.moving
         kept = self._kept.get(index)
         if not moving and kept is not None and kept.direct_light is not None:
@@ -97,7 +97,7 @@ class DirectLights:
         return tuple(number for member in members for number in lamps[member].signature())
 
     def _shadowed(self, index: int, lamps: Sequence[LightSource], direct: DirectIrradiance | None) -> _Shadowed:
-        """Shadows of light `index`, traced from its unshadowed irradiance `direct`, which is computed if None."""
+        """Traces the shadows of light `index`; its unshadowed irradiance `direct` is computed if None."""
         row, signature = self._clusters.row[index], self._signature(index, lamps)
         view, cluster = (self._geometry, self._smoothing), self._clusters.clusters[row]
         if len(cluster.members) > 1:
@@ -128,7 +128,7 @@ class ViewSamples:
 
     @staticmethod
     def of(surface: Surface, toward: Tensor) -> ViewSamples:
-        """From camera rays (3, N + B) and the surface points (N,) that the first N rays meet."""
+        """Samples of camera rays with unit directions (3, N + B), of which the first N meet the points of `surface`."""
         n = surface.position.shape[1]
         cosine = -dot(surface.normal, toward[:, :n])
         mirrored = above(reflect(toward[:, :n], surface.normal), surface.facet)
@@ -170,7 +170,7 @@ class DirectLight:
 
     @staticmethod
     def of(lamp: LightSource, view_samples: ViewSamples, direct: DirectIrradiance, visible: Tensor) -> DirectLight:
-        """From the light's unshadowed irradiance and the share (N,) of the light that each sample sees."""
+        """Direct light from unshadowed irradiance `direct` and the share (N,) of the light that each sample sees."""
         surface, specular = view_samples.surface, None
         if not lamp.pictured:
             unshadowed = area_specular(lamp, direct, surface.position, surface.normal, view_samples.toward_eye)
@@ -232,7 +232,7 @@ class ShadowEdges:
         return ShadowEdges(pixel, step / spots.shape[1], spot, surface.pick(dark), blocker)
 
     def term(self, view: View, lamp: LightSource, pixels: int) -> Tensor:
-        """Zeros (P,), one for each of `pixels`, whose gradient is that of the light's visible share in the pixel."""
+        """Zeros (P,), P = `pixels`, whose gradient is that of the light's visible share in each pixel."""
         toward, distance = lamp.shadow_targets(lamp.irradiance(self.surface.position, self.surface.normal), self.spot)
         if not lamp.at_infinity:
             toward = self.surface.position + toward * distance - self.blocker
@@ -274,7 +274,7 @@ def _neighbors(samples: Samples, surface: Surface, pixel_index: Tensor, facing_l
 
 
 def _contour(geometry: RayGeometry, origin: Tensor, toward: Tensor, distance: Tensor) -> Tensor:
-    """Points (3, E) halfway between the first hits of rays (3, E) from either end, `distance` (E,) meters apart."""
+    """Middles (3, E) of what blocks rays (3, E) of length `distance` (E,): between the first hits from either end."""
     far = distance.clamp_max(2 * geometry.size)
     first = geometry.first_hits(origin, toward, "shadow").distance.minimum(far)
     last = far - geometry.first_hits(origin + toward * far, -toward, "shadow").distance.minimum(far)

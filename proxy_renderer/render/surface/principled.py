@@ -241,7 +241,7 @@ def summed(lamps: Float[Tensor, "lamps 3"], lobes: Sequence[Float[Tensor, " n"]]
 def specular(
     light: IncidentLight, lobes: Sequence[Float[Tensor, " n"]], curve: Float[Tensor, " 7"], f0: Float[Tensor, "3 f0"]
 ) -> Float[Tensor, "3 n"]:
-    """Highlights (3, N), one lobe (N,) per light, with Fresnel mix(f0, 1, curve at the half vector)."""
+    """Sum (3, N) of highlights, one lobe (N,) per light, with Fresnel mix(f0, 1, curve at the half vector)."""
     plain, pairs = summed(light.lamps, lobes), zip(lobes, light.highlights, strict=True)
     bent = summed(light.lamps, [lobe * (curve @ h.curve).clamp_min(0.0) for lobe, h in pairs])
     return f0 * plain + (1.0 - f0) * bent

@@ -325,7 +325,7 @@ class Defocus:
 
 
 def _disc(radius: float, size: tuple[int, int]) -> Tensor:
-    """Fourier spectrum of a disc with a radius in pixels and weights of sum 1, centered on the first pixel."""
+    """Fourier spectrum, for an image (height, width), of a disc of sum 1 with a radius in pixels at the first pixel."""
     y, x = (torch.minimum(torch.arange(n), n - torch.arange(n)).float() for n in size)
     away = (y[:, None].square() + x.square()).sqrt()
     weight = (radius + 0.5 - away).clamp(0.0, 1.0)
