@@ -7,7 +7,7 @@ from . import constants as c
 
 
 def srgb_from_linear(linear: np.ndarray) -> np.ndarray:
-    """Encodes linear light (any shape, ≥ 0) with the sRGB curve (IEC 61966-2-1); unbounded above."""
+    """sRGB-encoded values of linear light (any shape, ≥ 0), by IEC 61966-2-1; values above 1 are not clamped."""
     curved = c.SRGB_SCALE * np.maximum(linear, c.SRGB_LINEAR_END) ** (1 / c.SRGB_EXPONENT) - c.SRGB_OFFSET
     return np.where(linear <= c.SRGB_LINEAR_END, linear * c.SRGB_SLOPE, curved)
 
@@ -18,6 +18,6 @@ def luminance(linear: np.ndarray) -> np.ndarray:
 
 
 def sphere_luminance(environment: np.ndarray) -> float:
-    """Mean luminance of an equirectangular environment (H, W, 3), linear Rec.709; rows are weighted by their solid angle."""
+    """Mean luminance of an equirectangular image (H, W, 3), linear Rec.709; rows are weighted by their solid angle."""
     heights = (np.arange(len(environment)) + 0.5) / len(environment) * np.pi - np.pi / 2
     return float(np.average(luminance(environment).mean(1), weights=np.cos(heights)))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The numbers of sRGB, Rec.709, CIE Lab and OKLab, each written once. Standard library only: every module may import it."""
+"""The constants of sRGB, Rec.709, CIE Lab and OKLab, each written once, for all modules. Standard library only."""
 
-Lab = tuple[float, float, float]  # CIE L*a*b* under D65: L in [0, 100]
+Lab = tuple[float, float, float]  # CIE L*a*b* under D65 with L in [0, 100], or OKLab with L in [0, 1]
 ColorMatrix = tuple[Lab, Lab, Lab]  # three rows
 
 LUMINANCE_WEIGHTS = (0.2126, 0.7152, 0.0722)  # luminance of the linear Rec.709 primaries
@@ -24,9 +24,9 @@ REC709_FROM_XYZ: ColorMatrix = (
 WHITE: Lab = (0.95047, 1.0, 1.08883)  # XYZ of D65
 
 # The curve of CIE Lab: a line near black, a cube root above.
-LAB_DELTA = 6 / 29  # value of the curve at the line's end; its cube is the XYZ, relative to white, there
+LAB_DELTA = 6 / 29  # value of the curve where the line ends, which is at XYZ / white = LAB_DELTA³
 LAB_RISE, LAB_RUN = 841, 108
-"""The line's slope 1 / (3 δ²) as a fraction. Multiply by the rise first, then divide by the run: rounding depends on the order."""
+"""The line's slope 1 / (3 LAB_DELTA²) as a fraction. Multiply by the rise first: rounding depends on the order."""
 LAB_OFFSET = 4 / 29
 
 CONES_FROM_REC709: ColorMatrix = (
@@ -44,7 +44,7 @@ OKLAB_FROM_CONES: ColorMatrix = (
     (1.9779985, -2.4285922, 0.4505937),
     (0.0259040, 0.7827718, -0.8086758),
 )
-"""Applied to the cube roots of the cone responses."""
+"""Takes the cube roots of the cone responses, which `CONES_FROM_OKLAB` returns."""
 CONES_FROM_OKLAB: ColorMatrix = (
     (1.0, 0.3963378, 0.2158038),
     (1.0, -0.1055613, -0.0638542),

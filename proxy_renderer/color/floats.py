@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Color conversions of single colors, as plain floats: sRGB, linear Rec.709, CIE Lab and OKLab. Needs neither torch nor numpy."""
+"""Conversions of single colors as plain floats, without torch and numpy: sRGB, linear Rec.709, CIE Lab, OKLab."""
 
 import math
 import re
@@ -33,7 +33,7 @@ def decode(encoded: float) -> float:
 
 
 def encode(linear: float) -> float:
-    """Inverse of `decode`, also for values above 1."""
+    """sRGB-encoded value of one linear component, also above 1; the inverse of `decode`."""
     if linear <= c.SRGB_LINEAR_END:
         return c.SRGB_SLOPE * linear
     return c.SRGB_SCALE * linear ** (1 / c.SRGB_EXPONENT) - c.SRGB_OFFSET
@@ -45,7 +45,7 @@ def linear_from_srgb(srgb: Sequence[float]) -> Values:
 
 
 def mixed(one: Sequence[float], other: Sequence[float], share: float) -> Values:
-    """The sRGB color `one` with a share in [0, 1] of `other`, mixed in linear light."""
+    """sRGB mixture of two sRGB colors, mixed in linear light; `share` in [0, 1] is that of `other`."""
     pairs = zip(linear_from_srgb(one), linear_from_srgb(other), strict=True)
     return srgb_from_linear([a + share * (b - a) for a, b in pairs])
 
@@ -82,13 +82,13 @@ def srgb_from_lab(lab: Lab) -> Values:
 
 
 def oklab_from_srgb(srgb: Sequence[float]) -> Lab:
-    """OKLab (Ottosson 2020) of sRGB in [0, 1]; a blue keeps its hue when it is lightened, in CIE Lab it turns purple."""
+    """OKLab (Ottosson 2020) of sRGB in [0, 1]. A lightened blue keeps its hue in OKLab, but turns purple in CIE Lab."""
     cones = _apply(c.CONES_FROM_REC709, linear_from_srgb(srgb))
     return _apply(c.OKLAB_FROM_CONES, [v ** (1 / 3) for v in cones])
 
 
 def srgb_from_oklab(lab: Lab) -> Values:
-    """Inverse of `oklab_from_srgb`, clamped to the gamut."""
+    """sRGB of OKLab, clamped to the gamut; the inverse of `oklab_from_srgb`."""
     cones = [v**3 for v in _apply(c.CONES_FROM_OKLAB, lab)]
     return srgb_from_linear(_apply(c.REC709_FROM_CONES, cones))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Operations on colors as people name them: shades, tinges and mixtures, and the basic color that a color belongs to."""
+"""Operations on colors as people name them: shades, tinges, mixtures, and the basic color that a color belongs to."""
 
 import math
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ from .floats import chroma, lab_from_srgb, oklab_from_srgb, srgb_from_hex, srgb_
 WARM = (0.5, 1.0)  # weights of a* and b* in warmth, see `claims.measures.color.warmth`
 _GRAYISH_LAB = 20.0  # CIE Lab chroma below which a hue is unreliable
 
-# Several typical shades for each basic color: the nearest one decides.
+# Typical shades of each basic color; `basic` returns the color of the nearest shade.
 _SHADES = {
     "black": ("#000000", "#1a1a1a", "#0c1014"),
     "grey": ("#808080", "#555555", "#aaaaaa", "#708090"),
@@ -26,20 +26,21 @@ _SHADES = {
     "purple": ("#7e1e9c", "#9a0eea", "#c8a0f0", "#40085a", "#580f41"),
     "pink": ("#ff7eb6", "#e6007e", "#ffc0d0", "#fc8eac"),
 }
-_UNIQUE = ("#c40233", "#ffd300", "#009f6b", "#0087bd")  # the elementary colors of the Natural Color System
-_GRAYISH_OKLAB = 0.04  # OKLab chroma below which a color has no hue to give or to keep
+_UNIQUE = ("#c40233", "#ffd300", "#009f6b", "#0087bd")  # red, yellow, green, blue of the Natural Color System
+_GRAYISH_OKLAB = 0.04  # OKLab chroma below which a color counts as gray, without a hue
 _WIDEST, _MOST = 124.0, 1.5
-"""Two hues mix if they differ by less: in degrees, and in steps of `_step`. Green and blue differ by 122 and 1.45."""
-_TO_GRAY, _FROM_GRAY = 0.75, 0.2  # share of chroma: lost to a gray tinge; gained by a gray from its tinge
+"""Differences below which two hues mix: in degrees, and in steps of `_step`. Green and blue differ by 122 and 1.45."""
+_TO_GRAY, _FROM_GRAY = 0.75, 0.2  # share of the way to the tinge's chroma: to a gray tinge; from a gray base
 
 
 def shade(
     srgb: Values, lightness: float = 1.0, chroma: float = 1.0, towards: float = 60.0, warmth: float = 0.0
 ) -> Values:
-    """A shade of an sRGB color.
+    """A shade of an sRGB color, clamped to the gamut.
 
-    A `lightness` of 0 moves the lightness to `towards`, CIE L* in [0, 100], 1 keeps it. `chroma` is a factor of the OKLab chroma.
-    `warmth`, in units of b*, moves the hue of grayish colors to orange (above 0) or blue (below 0).
+    A `lightness` of 1 keeps the color's lightness, 0 replaces it by `towards`, a CIE L* in [0, 100]; between, it is
+    interpolated. `chroma` is a factor of the OKLab chroma. `warmth`, in units of CIE b*, moves grayish colors to orange
+    (above 0) or blue (below 0).
     """
     light, a, b = oklab_from_srgb(srgb)
     warmth *= max(0.0, 1 - math.hypot(a, b) / 0.15)
@@ -49,7 +50,7 @@ def shade(
 
 
 def hue_apart(one: Values, other: Values) -> float:
-    """Degrees between the Lab hues of two sRGB colors; 0 where one of them is grayish."""
+    """Difference in degrees, [0, 180], of the CIE Lab hues of two sRGB colors; 0 if one of the colors is grayish."""
     labs = lab_from_srgb(one), lab_from_srgb(other)
     if min(map(chroma, labs)) < _GRAYISH_LAB:
         return 0.0
@@ -58,22 +59,22 @@ def hue_apart(one: Values, other: Values) -> float:
 
 
 def warm(a: float, b: float) -> float:
-    """Cosine between a tint, in a* and b*, and the direction from blue to orange: 1 is warm, -1 is cool."""
+    """Warmth in [-1, 1] of a tint (a*, b*): its cosine with the direction from blue (-1) to orange (1); 0 for gray."""
     return (WARM[0] * a + WARM[1] * b) / (math.hypot(*WARM) * max(math.hypot(a, b), 1e-6))
 
 
 def relative_shade(srgb: Values, lighter: float, chroma: float, strength: float = 1.0) -> Values:
     """A lighter or darker shade of an sRGB color, with its chroma multiplied by a factor.
 
-    `lighter` in [-1, 1] is the share of the way to white or, below 0, to black. `strength` is that of the word that asks for the
-    shade: above 1 for "very", below 1 for "slightly". It multiplies the share and is the factor's exponent.
+    `lighter` in [-1, 1] is the share of the way to white or, below 0, to black. `chroma` is the factor. `strength`,
+    above 1 for "very" and below 1 for "slightly", changes both to `lighter` * `strength` and `chroma` ** `strength`.
     """
     way = min(abs(lighter * strength), 1.0)
     return shade(srgb, 1.0 - way, chroma**strength, 100.0 * (lighter > 0))
 
 
 def basic(srgb: Sequence[float]) -> str:
-    """The basic color (see `words.lexicon.quantities.COLORS`) that a person would call this one."""
+    """Name that a person would give to an sRGB color, of the basic colors `words.lexicon.quantities.COLORS`."""
     lab = lab_from_srgb(srgb)
     if chroma(lab) < 8:
         return "black" if lab[0] < 18 else "white" if lab[0] > 85 else "grey"
@@ -88,10 +89,11 @@ def basic(srgb: Sequence[float]) -> str:
 
 
 def tinged(base: Values, tinge: Values, share: float) -> Values:
-    """The sRGB color `base` with a share in [0, 1] of the color `tinge`.
+    """The sRGB color `base`, moved by a share in [0, 1] toward the sRGB color `tinge`.
 
-    The hue turns the shorter way around a circle on which neighboring elementary colors are equally far apart (see `_step`),
-    because color names are. Half way from green to blue is a teal, although blues fill half of that arc in OKLab.
+    The hue turns the shorter way around the circle of `_step`: red, yellow, green, blue are equally spaced there, as in
+    color names. Half way from green to blue is a teal, although blues fill half of that arc in OKLab. A gray `base`
+    takes the hue of `tinge` and keeps its own lightness; a gray `tinge` changes lightness and chroma only.
     """
     (light, chroma, hue), (light2, chroma2, hue2) = _polar(base), _polar(tinge)
     if chroma < _GRAYISH_OKLAB <= chroma2:
@@ -108,7 +110,7 @@ def tinged(base: Values, tinge: Values, share: float) -> Values:
 
 
 def mixable(one: Values, other: Values) -> bool:
-    """True if two sRGB colors have a mixture with something of both: green and blue have teal, red and green have none."""
+    """True if a mixture of two sRGB colors resembles both, as teal does green and blue; also if one color is gray."""
     (_, chroma, hue), (_, chroma2, hue2) = _polar(one), _polar(other)
     if min(chroma, chroma2) < _GRAYISH_OKLAB:
         return True
@@ -117,7 +119,7 @@ def mixable(one: Values, other: Values) -> bool:
 
 
 def _polar(srgb: Values) -> tuple[float, float, float]:
-    """OKLab lightness, chroma, and hue in degrees, of an sRGB color."""
+    """OKLab lightness, chroma, and hue in degrees, [0, 360), of an sRGB color."""
     light, a, b = oklab_from_srgb(srgb)
     return light, math.hypot(a, b), math.degrees(math.atan2(b, a)) % 360
 
@@ -132,14 +134,14 @@ _CIRCLE = [*_HUES, _HUES[0] + 360]
 
 
 def _step(hue: float) -> float:
-    """Place of a hue (degrees) on the circle of elementary colors: 0 red, 1 yellow, 2 green, 3 blue, 4 red again."""
+    """Position of a hue (degrees) on the circle of elementary colors: 0 red, 1 yellow, 2 green, 3 blue, 4 red again."""
     hue = (hue - _CIRCLE[0]) % 360 + _CIRCLE[0]
     arc = next(i for i in range(4) if hue <= _CIRCLE[i + 1])
     return arc + (hue - _CIRCLE[arc]) / (_CIRCLE[arc + 1] - _CIRCLE[arc])
 
 
 def _hue(step: float) -> float:
-    """Hue in degrees at a place on the circle of `_step`; places repeat every 4."""
+    """Hue in degrees at a position on the circle of `_step`, which repeats every 4; the inverse of `_step`."""
     arc, part = divmod(step % 4, 1)
     low, high = list(pairwise(_CIRCLE))[int(arc)]
     return low + part * (high - low)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Colors as torch tensors (..., 3): spaces, CIEDE2000, blackbody light, look-up tables; differentiable, with finite gradients."""
+"""Colors as torch tensors (..., 3): spaces, CIEDE2000, blackbody light, look-up tables. All gradients are finite."""
 
 import math
 
@@ -11,7 +11,7 @@ from torch.nn import functional
 from . import constants as c
 
 _TINY = 1e-12
-_PARTS = 16  # of a batch of look-ups
+_PARTS = 16  # number of parts into which `trilinear` divides its look-ups
 
 
 def luminance(linear: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels 1"]:
@@ -20,13 +20,13 @@ def luminance(linear: Float[Tensor, "*pixels 3"]) -> Float[Tensor, "*pixels 1"]:
 
 
 def srgb_from_linear(linear: Float[Tensor, "*any"]) -> Float[Tensor, "*any"]:
-    """Encodes linear light (any shape, ≥ 0) with the sRGB curve (IEC 61966-2-1); unbounded above."""
+    """sRGB-encoded values of linear light (any shape, ≥ 0), by IEC 61966-2-1; values above 1 are not clamped."""
     curved = c.SRGB_SCALE * linear.clamp_min(c.SRGB_LINEAR_END) ** (1 / c.SRGB_EXPONENT) - c.SRGB_OFFSET
     return torch.where(linear <= c.SRGB_LINEAR_END, linear * c.SRGB_SLOPE, curved)
 
 
 def linear_from_srgb(encoded: Float[Tensor, "*any"]) -> Float[Tensor, "*any"]:
-    """Inverse of `srgb_from_linear`."""
+    """Linear light of sRGB-encoded values (any shape); the inverse of `srgb_from_linear`."""
     curved = ((encoded.clamp_min(c.SRGB_ENCODED_END) + c.SRGB_OFFSET) / c.SRGB_SCALE) ** c.SRGB_EXPONENT
     return torch.where(encoded <= c.SRGB_ENCODED_END, encoded / c.SRGB_SLOPE, curved)
 
@@ -59,14 +59,14 @@ def _root(squared: Tensor) -> Tensor:
 
 
 def _hue(b: Tensor, a: Tensor) -> Tensor:
-    """Hue angle in radians, [0, 2π); 0 for a neutral color, with a zero gradient there."""
+    """Hue angle in radians, [0, 2π), of Lab components `b` and `a`; 0 with a zero gradient for a neutral color."""
     neutral = (a.abs() < _TINY) & (b.abs() < _TINY)
     angle = torch.atan2(b.masked_fill(neutral, 0.0), a.masked_fill(neutral, 1.0))
     return torch.where(angle < 0, angle + 2 * math.pi, angle)
 
 
 def ciede2000(lab1: Float[Tensor, "*#pixels 3"], lab2: Float[Tensor, "*#pixels 3"]) -> Float[Tensor, "*#pixels"]:
-    """Perceived difference (...) of two colors in Lab (..., 3): 1 is just visible (Sharma, Wu and Dalal 2005; kL = kC = kH = 1)."""
+    """CIEDE2000 (...) of colors in CIE Lab (..., 3): 1 is just visible (Sharma, Wu, Dalal 2005; kL = kC = kH = 1)."""
     (l1, a1, b1), (l2, a2, b2) = lab1.unbind(-1), lab2.unbind(-1)
     c7 = ((_root(a1 * a1 + b1 * b1) + _root(a2 * a2 + b2 * b2)) / 2) ** 7
     stretch = 1.5 - 0.5 * (c7 / (c7 + 25.0**7)).clamp_min(_TINY).sqrt()
@@ -74,7 +74,7 @@ def ciede2000(lab1: Float[Tensor, "*#pixels 3"], lab2: Float[Tensor, "*#pixels 3
     c1, c2 = _root(a1 * a1 + b1 * b1), _root(a2 * a2 + b2 * b2)
     h1, h2 = _hue(b1, a1), _hue(b2, a2)
 
-    # The shorter way round the hue circle; a neutral color has no hue, so it takes the other's.
+    # The shorter way round the hue circle; a neutral color has no hue, so it takes the other color's.
     neutral = c1 * c2 < _TINY
     turn = h2 - h1
     dh = turn - 2 * math.pi * torch.round(turn / (2 * math.pi)).detach()
@@ -136,7 +136,7 @@ _BLUE = (
 
 
 def blackbody(kelvin: Tensor) -> Tensor:
-    """Blackbody color (..., 3), linear Rec.709 with luminance about 1, of temperatures (...) from 800 to 12000 K; it multiplies a light's color."""
+    """Blackbody color (..., 3), linear Rec.709 with luminance about 1; `kelvin` (...) is clamped to [800, 12000]."""
     t = kelvin.clamp(800.0, 12000.0)
     i = torch.bucketize(t.detach(), t.new_tensor(_KNOTS), right=True)
     r, g, b = (t.new_tensor(table)[i].unbind(-1) for table in (_RED, _GREEN, _BLUE))
@@ -147,7 +147,10 @@ def blackbody(kelvin: Tensor) -> Tensor:
 
 
 def trilinear(table: Tensor, place: Tensor) -> Tensor:
-    """Values (C, N) of a table (1, C, D, H, W), interpolated trilinearly at places (N, 3) in [-1, 1], in the order (W, H, D); clamped outside."""
+    """Trilinear interpolation (C, N) of a table (1, C, D, H, W) at N places.
+
+    `place` (N, 3) has coordinates along W, H and D, in this order: -1 is the first entry, 1 the last; clamped outside.
+    """
     # A batch of parts: torch's CPU kernel uses one core per member.
     parts = functional.pad(place, (0, 0, 0, -len(place) % _PARTS)).view(_PARTS, -1, 1, 1, 3)
     tables = table.expand(_PARTS, -1, -1, -1, -1)
@@ -158,7 +161,8 @@ def trilinear(table: Tensor, place: Tensor) -> Tensor:
 def by_stops(table: Tensor, colors: Tensor, toe: float, stops: float) -> Tensor:
     """Values (..., 3) of a table (1, 3, S, S, S) for colors (..., 3) ≥ 0, interpolated trilinearly.
 
-    The S entries of each axis are at the colors toe · (2 ** s - 1), with s evenly spaced from 0 to `stops`.
+    The last axes of the table are blue, green and red. The S entries of each are at the component values
+    toe · (2 ** s - 1), with s evenly spaced from 0 to `stops`.
     """
     place = torch.log2(colors * (1 / toe) + 1) * (2 / stops) - 1
     return trilinear(table, place.reshape(-1, 3)).T.reshape(colors.shape)

@@ -14,18 +14,19 @@ from torch import Tensor
 from ..schema import VibeError
 from .tensors import by_stops
 
-SIZE = 65
-BRIGHTEST = 2.0**6
-_TOE = 2.0**-8  # below this, samples are about evenly spaced in linear light; above it, in stops
+SIZE = 65  # table entries per color component
+BRIGHTEST = 2.0**6  # scene-linear component to which brighter ones are clamped
+_TOE = 2.0**-8  # below this, table entries are about evenly spaced in linear light; above it, in stops
 _STOPS = math.log2(1 + BRIGHTEST / _TOE)
 
 
 class ViewTransform:
-    """Converts scene-linear light to display values as Blender's color management does; `apply_ocio` has arguments and errors.
+    """Converts scene-linear light to display values as Blender's color management does.
 
-    The OCIO transform is sampled once, at 65³ colors that reach from black to 2⁶, about evenly spaced in stops. Brighter light is
-    clamped to 2⁶. Against OCIO itself the mean error is below 0.2/255 for every view that Blender has. `balance` has the rows of
-    a matrix for white balance, which multiplies linear colors before; empty for none.
+    The OCIO transform is sampled once, at 65³ colors from black to 2⁶, about evenly spaced in stops. Brighter light is
+    clamped to 2⁶. The mean error, compared with OCIO, is below 0.2/255 for every view that Blender has. `balance` has
+    the rows of a white balance matrix, applied to scene-linear colors first; () for none. `apply_ocio` explains the
+    other arguments, and the errors.
     """
 
     def __init__(
@@ -47,7 +48,7 @@ class ViewTransform:
 
 @functools.lru_cache(maxsize=8)
 def _bake(ocio: str, display: str, view: str, look: str, space: str, balance: tuple[tuple[float, ...], ...]) -> Tensor:
-    """Samples the transform into a table (1, 3, SIZE, SIZE, SIZE), indexed by [color, blue, green, red]. Takes about 0.1 s."""
+    """Table (1, 3, SIZE, SIZE, SIZE) of the transform; its last axes are blue, green, red. Takes about 0.1 s."""
     axis = _TOE * (2 ** torch.linspace(0, _STOPS, SIZE, dtype=torch.float64) - 1)
     blue, green, red = torch.meshgrid(axis, axis, axis, indexing="ij")
     colors = torch.stack((red, green, blue), -1).float().numpy()
@@ -60,12 +61,12 @@ def _bake(ocio: str, display: str, view: str, look: str, space: str, balance: tu
 def apply_ocio(
     colors: Float[np.ndarray, "*pixels 3"], ocio: str, display: str, view: str, look: str = "", space: str = ""
 ) -> Float[np.ndarray, "*pixels 3"]:
-    """Exact transform of scene-linear light (..., 3) to float32 display values (..., 3), composed as Blender composes it.
+    """Exact transform of scene-linear light (..., 3) to float32 display values (..., 3), composed as in Blender.
 
-    A look chosen by the artist, as "AgX - Punchy", replaces the view's own looks; "" or "None" keeps them (Blender:
-    imbuf/opencolorio, create_ocio_display_transform). `ocio` is the path of a configuration, or the name of one that is built
-    into OpenColorIO. `space` is the working space; if it is empty or unknown, the configuration's scene-linear role is taken.
-    Raises VibeError if the configuration cannot be read, or lacks display, view or look.
+    `ocio` is the path of a configuration, or the name "ocio://…" of one that is built into OpenColorIO. A `look`, as
+    "AgX - Punchy", replaces the looks of the view; "" or "None" keeps them (Blender: imbuf/opencolorio,
+    create_ocio_display_transform). `space` is the working space; if it is empty or unknown, the configuration's
+    scene-linear role is taken. Raises VibeError if the configuration cannot be read, or lacks display, view or look.
     """
     import PyOpenColorIO as OCIO
 
@@ -92,10 +93,10 @@ def apply_ocio(
 
 
 def _configuration(ocio: str, display: str, view: str) -> Any:
-    """The configuration from a path, or from the name of one that is built into OpenColorIO.
+    """The OCIO configuration from a path, or from the name "ocio://…" of one that is built into OpenColorIO.
 
-    Each version of OpenColorIO has another "ocio://default", and Blender's version may be older than the engine's. If the named
-    one lacks the view, the newest of the same family that has the view is returned.
+    Each version of OpenColorIO has another "ocio://default", and Blender's version may be older than the engine's. If
+    the named configuration lacks the view, the newest of its family that has the view is returned, if there is one.
     """
     import PyOpenColorIO as OCIO
 

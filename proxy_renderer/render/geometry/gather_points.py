@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Gather points: a coarse grid of samples, and the interpolation of values from them to all samples."""
+"""Gather points: samples on a coarse grid, at which indirect light is gathered and from which it is interpolated."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ from .samples import Samples, last_of
 from .vectors import PointSet
 from .visibility import Surface
 
-_CELLS_ACROSS = 96
+_CELLS_ACROSS = 96  # along the image's longer side
 
 
 class SparseWeights:
     """A constant sparse matrix (N, A), which multiplies values (A, …).
 
-    `rows` (R,) are the increasing indices of rows with entries, K each: `columns` and `weights` are (R, K), of equal columns added.
+    `rows` (R,) has the indices of the rows that are not empty, in increasing order. `columns` and `weights` (R, K) have
+    the K entries of each of these rows; entries of the same column add up.
     """
 
     def __init__(self, rows: Tensor, columns: Tensor, weights: Tensor, shape: tuple[int, int]) -> None:
@@ -31,7 +32,7 @@ class SparseWeights:
         self.forward = _csr(counts, self._columns.flatten(), weights.flatten(), shape)
 
     def __call__(self, values: Tensor) -> Tensor:
-        """(N, …) weighted sums of values (A, …)."""
+        """Weighted sums (N, …) of values (A, …)."""
         return _SparseProduct.apply(values.flatten(1), self).view(-1, *values.shape[1:])
 
     @functools.cached_property
@@ -45,7 +46,7 @@ class SparseWeights:
 
 
 def _csr(counts: Tensor, columns: Tensor, weights: Tensor, shape: tuple[int, int]) -> Tensor:
-    """A sparse matrix with `counts` (N,) entries per row; columns and weights list the entries row by row."""
+    """A sparse matrix of a shape; row i has counts[i] entries, `columns` and `weights` (E,) list all, row by row."""
     starts = torch.cat((counts.new_zeros(1), counts.cumsum(0))).int()
     with warnings.catch_warnings(), torch.sparse.check_sparse_tensor_invariants(False):
         warnings.filterwarnings("ignore", "Sparse (CSR|invariant)")  # "in beta", says torch
@@ -64,7 +65,10 @@ class _SparseProduct(torch.autograd.Function):
 
 
 class GatherPoints:
-    """Samples on a coarse grid, one for each material seen in each cell."""
+    """The A gather points of a view: one sample for each material that is seen in each cell of a coarse grid.
+
+    `surface` has the surface points of the samples. `across` is the number of cells along the image's longer side.
+    """
 
     def __init__(self, samples: Samples, surface: Surface, across: int = _CELLS_ACROSS) -> None:
         width, height = samples.size
@@ -73,12 +77,12 @@ class GatherPoints:
         columns, rows = -(-width // self._stride), -(-height // self._stride)
         place = samples.place[:, :n] / self._stride
         cell = place[1].long().clamp(0, rows - 1) * columns + place[0].long().clamp(0, columns - 1)
-        # Of each kind, the sample that lies nearest to its cell's middle.
+        # A gather point is the sample of its kind that lies nearest to the cell's middle.
         order = torch.argsort((place % 1.0 - 0.5).abs().sum(0), descending=True, stable=True)
-        # Behind a transparent surface, the same material may be seen in another place.
+        # A kind is a cell, material and layer: behind a transparent surface, the material may be seen in another place.
         kind = (cell * 4096 + surface.material) * 8 + samples.layer[:n].clamp_max(7)
         _, group = torch.unique(kind, return_inverse=True)
-        self.index = last_of(group, order, int(group.max()) + 1 if n else 0)  # (A,) of the samples
+        self.index = last_of(group, order, int(group.max()) + 1 if n else 0)  # (A,) indices of samples
         own = cell[self.index]
         self._cell = torch.stack((own % columns, own // columns))
         # Gather points (rows, columns, most) in every cell, -1 where there are fewer.
@@ -97,9 +101,10 @@ class GatherPoints:
         self.spread = self._weights(points)  # interpolates from gather points to all surface samples
 
     def turns(self, side: int) -> Tensor:
-        """(A,) numbers below side², which differ between all cells of any square of side × side cells.
+        """Numbers (A,) from 0 to side² - 1 of the gather points' cells; any square of side × side cells has each once.
 
-        Averages in which each number weighs the same show no pattern: nearly those of `smooth_glossy` for a side of 2, `smooth` for 4.
+        Gather points of different numbers get different rays. An average shows no pattern if each number weighs the
+        same in it, as in `smooth` for a side of 4, and nearly in `smooth_glossy` for 2.
         """
         column, row = self._cell % side
         return row * side + column
@@ -107,10 +112,10 @@ class GatherPoints:
     def spread_to(
         self, surface: Surface, place: Tensor, distance: Tensor, chosen: Tensor | None = None
     ) -> SparseWeights:
-        """Interpolates from gather points to other points of a surface.
+        """Weights (N, A) that interpolate values at the gather points to N other points of a surface.
 
-        They are at places (2, N) in pixels, also outside the image, and distances (N,) from the camera in meters. Those that are
-        not `chosen` (N,) bool get 0; None chooses all.
+        `place` (2, N) has the other points' image positions in pixels, also outside the image; `distance` (N,) is in
+        meters from the camera. Points outside `chosen` (N,) bool get 0; None chooses all.
         """
         rows, columns = self._lists.shape[:2]
         limit = place.new_tensor([[columns], [rows]]) - 0.5
@@ -125,11 +130,12 @@ class GatherPoints:
         width: float = 1.0,
         chosen: Tensor | None = None,
     ) -> SparseWeights:
-        """Weights from the gather points that fit each point's normal, plane and place best.
+        """Weights (N, A) of the gather points that fit the normal, plane and place of each of N points best.
 
-        The `window` has offsets of the cells to search, along both axes: from a point's own cell if their number is odd, else from
-        the upper left of the four cells whose middles surround it. The `nearest` gather points are kept for a point. A weight has
-        faded at a distance of `width` cells.
+        `window` has the offsets of the cells to search, along both axes. An odd number of offsets starts at the point's
+        own cell, an even number at the upper left of the four cells whose middles surround the point. `nearest` gather
+        points are kept for each point. At a distance of `width` cells, a weight is almost 0. Points outside `chosen`
+        (N,) bool get 0.
         """
         lists, count = self._lists, points.place.shape[1]
         rows = torch.arange(count, device=lists.device) if chosen is None else chosen.nonzero()[:, 0]
@@ -145,7 +151,7 @@ class GatherPoints:
             most = torch.maximum(most, held.index_select(0, cells))
         best = torch.zeros((len(rows), nearest), dtype=torch.int64, device=lists.device)
         weight = torch.zeros(best.shape, device=lists.device)
-        # Points are grouped by the most gather points in a cell around, almost everywhere 1: few candidates are compared.
+        # Points are grouped by the largest number of gather points in a near cell: few candidates are compared.
         for n in range(1, lists.shape[2] + 1):
             group = (most == n).nonzero()[:, 0]
             if len(group):
@@ -159,7 +165,7 @@ class GatherPoints:
 
 @dataclass(frozen=True)
 class _Places(PointSet):
-    """Points of an interpolation: image position `place` (2, N) in cells, surface, and size `pitch` (N,) of a cell there in meters."""
+    """N points of an interpolation: image positions `place` (2, N) in cells, sizes `pitch` (N,) of a cell in meters."""
 
     place: Tensor
     surface: Surface
@@ -167,7 +173,10 @@ class _Places(PointSet):
 
 
 def _best(gather_points: _Places, points: _Places, among: Tensor, nearest: int, width: float) -> tuple[Tensor, Tensor]:
-    """The gather points (N, nearest) of largest weight, and their weights, `among` some (C, N); -1 stands for none."""
+    """Indices (N, nearest) of the gather points that fit each of N points best, and their weights (N, nearest).
+
+    `among` (C, N) has the indices of C candidates for each point, -1 for none. A weight is almost 0 at `width` cells.
+    """
     index = among.clamp_min(0)
 
     def of(values: Tensor) -> Tensor:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The points of the image that are shaded, found through transparent surfaces, and how they add up to pixels."""
+"""Samples: the points that are shaded, also behind transparent surfaces, and the filter that adds them up to pixels."""
 
 from dataclasses import dataclass, replace
 
@@ -10,35 +10,35 @@ from .camera import View
 from .vectors import PointSet, dot
 from .visibility import Hits, RayGeometry
 
-EDGE_SAMPLES = 5
+EDGE_SAMPLES = 5  # rays through a pixel at an edge
 _NEIGHBOR = 0.084  # a pixel's share of each neighbor along an axis: a variance of 0.17 square pixels
 _FILTER_WIDTH = 3.0  # pixels: twice Blender's setting (1.5 by default), which Cycles takes for a radius
-_FAINT = 0.004  # share of a ray below which it is not followed, and a hit does not count
-_MOST_LAYERS = 8
+_FAINT = 0.004  # share of a ray's light below which the ray ends, and a hit is not counted
+_MOST_LAYERS = 8  # surfaces that a camera ray meets at most
 
 
 @dataclass(frozen=True)
 class Samples:
-    """All shaded points of one view, sorted by material, the background last."""
+    """All N shaded points of one view, sorted by material, the background last; P pixels."""
 
     size: tuple[int, int]  # width and height of the image
     pixel: Tensor  # (N,) index of the pixel (row-major, row 0 on top) that a sample counts towards
     weight: Tensor  # (N,) the sample's share of the pixel; the shares of a pixel sum to 1
     place: Tensor  # (2, N) image position in pixels
-    layer: Tensor  # (N,) how many surfaces the sample's ray has met before
-    hits: Hits  # what the samples' rays meet
-    slices: tuple[tuple[int, int, int], ...]  # of materials in view: index, first sample, one past the last
-    surfaces: int  # how many samples meet a surface; the others see the background
+    layer: Tensor  # (N,) number of surfaces that the ray has met before the sample
+    hits: Hits  # (N,) where the samples' rays meet a surface or leave the scene
+    slices: tuple[tuple[int, int, int], ...]  # for each material in view: index, first sample, one past the last
+    surfaces: int  # number of samples that meet a surface; the samples after them see the background
     first: Tensor  # (P,) index of one sample of every pixel
-    others: Tensor  # (E,) the samples that are no pixel's `first`
-    plain: Tensor  # (P,) whether a pixel has samples in its middle only
-    owner: Tensor  # (P,) object that the ray through a pixel's center meets, -1 for none
+    others: Tensor  # (N - P,) indices of the samples that are no pixel's `first`
+    plain: Tensor  # (P,) bool: pixels with samples in their middle only
+    owner: Tensor  # (P,) index of the object that the ray through a pixel's center meets; -1 for none
     center_hits: Hits  # hits of the rays through the pixels' centers (P,)
     origin: Tensor  # (3, N) origins of the samples' rays
     toward: Tensor  # (3, N) unit directions of the samples' rays
 
     def resolve(self, values: Tensor) -> Tensor:
-        """Filters samples (C, N) into pixels (C, P)."""
+        """Filtered pixels (C, P) from values (C, N) of the samples."""
         return _Resolve.apply(values, self)
 
 
@@ -51,7 +51,7 @@ class _Resolve(torch.autograd.Function):
         weighted = values * samples.weight
         picture = weighted.index_select(1, samples.first)
         picture.index_add_(1, samples.pixel[samples.others], weighted.index_select(1, samples.others))
-        # Pixels with one sample are mixed with their neighbors, which stand for what the pixel filter would cover.
+        # Pixels with one sample are mixed with their neighbors, in place of more samples under the pixel filter.
         return torch.where(samples.plain, _diffuse(picture, samples.size), picture)
 
     @staticmethod
@@ -63,7 +63,7 @@ class _Resolve(torch.autograd.Function):
 
 
 def _diffuse(picture: Tensor, size: tuple[int, int]) -> Tensor:
-    """Exchanges a share of every pixel (C, P) with its neighbors; a symmetric operator, which is its own backward pass."""
+    """Pixels (C, P) that have exchanged a share with their neighbors; symmetric, so it is its own backward pass."""
     spread = picture.view(-1, size[1], size[0]).clone()
     for axis in (1, 2):
         n = spread.shape[axis] - 1
@@ -77,8 +77,8 @@ def _diffuse(picture: Tensor, size: tuple[int, int]) -> Tensor:
 def take(geometry: RayGeometry, view: View, smooth: Tensor) -> Samples:
     """Finds the points that a view sees: one ray through the middle of plain pixels, several where edges pass.
 
-    Pixels of `smooth` materials (M,) bool get several rays, too: edges may pass anywhere in their reflections. A ray through
-    transparent surfaces makes a sample on each, weighted by its contribution.
+    Pixels of `smooth` materials (M,) bool get several rays, too: edges may pass anywhere in their reflections. A ray
+    through transparent surfaces makes a sample on each surface, weighted by the surface's share of the ray's light.
     """
     # Rays through the centers show where edges pass.
     centers = pixel_centers(view.size).to(geometry.device)
@@ -137,7 +137,7 @@ def pixel_centers(size: tuple[int, int]) -> Tensor:
 
 
 def _edges(geometry: RayGeometry, hits: Hits, toward: Tensor, width: int, height: int) -> Tensor:
-    """(P,) bool: pixels next to which the object, the material, the normal or the depth jumps."""
+    """(P,) bool: pixels that differ from a neighbor in object, material, normal or depth, by hits of center rays."""
     surface = geometry.surface(hits, toward)
     index = hits.triangle.clamp_min(0)
     name = torch.where(hits.hit, geometry.object[index] * 4096 + surface.material, -1).view(height, width)
@@ -159,7 +159,7 @@ def _edges(geometry: RayGeometry, hits: Hits, toward: Tensor, width: int, height
 
 
 def _filter_points(device: torch.device) -> Tensor:
-    """(2, S) offsets from a pixel's center, distributed like Cycles' Blackman-Harris filter."""
+    """Offsets (2, EDGE_SAMPLES) in pixels from a pixel's center, distributed like Cycles' Blackman-Harris filter."""
     x = torch.linspace(0, 1, 513, dtype=torch.float64)
     angle = 2 * torch.pi * x
     window = 0.35875 - 0.48829 * angle.cos() + 0.14128 * (2 * angle).cos() - 0.01168 * (3 * angle).cos()
@@ -173,16 +173,16 @@ def _filter_points(device: torch.device) -> Tensor:
 
 @dataclass(frozen=True)
 class HitLayers(PointSet):
-    """Surfaces that rays pass through and end on, nearest first."""
+    """N hits of camera rays: the surfaces that a ray passes, nearest first, then the surface or miss that ends it."""
 
     ray: Tensor  # (N,) index of the ray
-    number: Tensor  # (N,) how many surfaces it has met before
-    hits: Hits  # (N,) what it meets there
-    weight: Tensor  # (N,) the share of the ray that is seen there; the shares of a ray sum to 1
+    number: Tensor  # (N,) number of surfaces that the ray has met before
+    hits: Hits  # (N,) the ray's hit on this surface, or a miss for the background
+    weight: Tensor  # (N,) the surface's share of the ray's light; the shares of a ray sum to 1
 
 
 def follow(geometry: RayGeometry, view: View, origin: Tensor, toward: Tensor) -> HitLayers:
-    """Follows the camera's rays (3, N) from its near to its far plane, through transparent surfaces."""
+    """All hits that camera rays (3, N) see from the near to the far plane, through transparent surfaces."""
     index = torch.arange(origin.shape[1], device=geometry.device)
     left = torch.ones(len(index), device=geometry.device)
     near, far = view.span(toward)
@@ -209,14 +209,17 @@ def follow(geometry: RayGeometry, view: View, origin: Tensor, toward: Tensor) ->
 
 
 def _before(far: Tensor, hits: Hits) -> Hits:
-    """Hits (N,) with those beyond distances (N,) turned into misses."""
+    """The hits of N rays, with those beyond the rays' distances `far` (N,) turned into misses."""
     inside = hits.distance <= far
     triangle, distance = torch.where(inside, hits.triangle, -1), torch.where(inside, hits.distance, torch.inf)
     return replace(hits, triangle=triangle, distance=distance)
 
 
 def last_of(group: Tensor, order: Tensor, count: int) -> Tensor:
-    """For each of `count` groups, none empty, the member that comes last in `order` (N,); `group` (N,) has the group of each member."""
+    """Index (count,) of each group's member that comes last in `order`, a permutation (N,) of the members.
+
+    `group` (N,) has the number of each member's group, from 0 to `count` - 1; no group may be empty.
+    """
     rank = torch.arange(len(order), device=order.device)
     last = torch.zeros(count, dtype=torch.int64, device=order.device)
     # Not by assignment: which of several writes to one place wins is not defined.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Intersections of rays with triangles, by Embree. Hits are constants; gradients pass only through `RayGeometry.follow`."""
+"""Hits of rays on triangles, by Embree. Hits are constants; gradients pass only through `RayGeometry.follow`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from torch import Tensor
 from ...scene import SceneMesh
 from .vectors import PointSet, cross, dot, unit
 
-RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")  # an object may be hidden from them
+RAYS = ("camera", "diffuse", "glossy", "transmission", "shadow")  # kinds of rays; an object may be hidden from some
 
 _SHARE = 8192  # least number of rays per thread
 _GRAZING = 0.3  # cosine below which gradients of hits are damped
@@ -33,7 +33,7 @@ TraceResult = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
 class TriangleTree:
-    """Some triangles of a mesh, those with the indices `members` (n,), ready for rays."""
+    """Embree's tree of some triangles of a mesh, those with the indices `members` (n,); built for the first ray."""
 
     def __init__(self, mesh: SceneMesh, members: np.ndarray) -> None:
         self._mesh, self.members = weakref.ref(mesh), members
@@ -52,7 +52,11 @@ class TriangleTree:
         return scene
 
     def run(self, *rays: np.ndarray, **how: Any) -> Any:
-        """Embree's answer for rays (N, …), on as many threads as torch has; Embree releases Python's lock."""
+        """Embree's result for N rays: an array (N,), or with `output=1` a dict of arrays.
+
+        `rays` has arrays (N, …): origins, directions, and optionally distances; `how` are Embree's options. Large
+        batches use as many threads as torch has, because Embree releases Python's lock.
+        """
         threads = min(torch.get_num_threads(), len(rays[0]) // _SHARE)
         if threads < 2:
             return self._embree.run(*rays, **how)
@@ -63,7 +67,7 @@ class TriangleTree:
         return np.concatenate(answers)
 
     def nearest(self, origin: np.ndarray, toward: np.ndarray, before: TraceResult | None) -> TraceResult:
-        """The nearest hits of rays (N, 3), among these triangles and the hits `before` of other trees."""
+        """Nearest hits of rays (N, 3) on this tree, or the nearer hits `before` on other trees, if any."""
         if before is None:
             answer = self.run(origin, toward, output=1)
         else:
@@ -76,17 +80,17 @@ class TriangleTree:
 
 
 _trees: weakref.WeakKeyDictionary[SceneMesh, dict[bytes, TriangleTree]] = weakref.WeakKeyDictionary()
-"""The trees of each mesh by a hash of their triangles; made once and shared, as long as the mesh exists."""
+"""Mesh -> hash of a tree's triangles -> the tree, which is made once and shared as long as the mesh exists."""
 
 
 @dataclass(frozen=True)
 class TriangleClass:
-    """Triangles that all rays treat alike."""
+    """Triangles that are hidden from the same rays, and are all opaque or all possibly transparent."""
 
     tree: TriangleTree  # the triangles
-    hidden: frozenset[str]  # kinds of rays, of `RAYS`, that do not meet them
-    clear: bool  # whether they may let light through
-    material: int  # material of all, if it glows and casts no shadow in its own light; else -1
+    hidden: frozenset[str]  # kinds of `RAYS` that pass the triangles unhindered
+    clear: bool  # True if the triangles may let light through
+    material: int  # material of all triangles if it is set apart (see `RayGeometry.set_apart`), else -1
 
 
 def classes_of(
@@ -94,8 +98,8 @@ def classes_of(
 ) -> list[TriangleClass]:
     """Sorts the triangles of a mesh into classes, the largest class first.
 
-    Triangles of one class have objects `hidden` from the same rays, and materials that are all `clear` (M,) or all not. Materials
-    in `apart` have classes of their own.
+    `hidden` has the kinds of `RAYS` that each object is hidden from, `clear` (M,) bool marks materials that may let
+    light through. Both are the same for all triangles of a class. Each material of `apart` has classes of its own.
     """
     kinds = list(dict.fromkeys(hidden))
     kind = np.array([kinds.index(h) for h in hidden])
@@ -114,7 +118,7 @@ def classes_of(
 
 @dataclass(frozen=True)
 class Hits(PointSet):
-    """The hits of N rays: where they end."""
+    """Hits of N rays on triangles."""
 
     triangle: Tensor  # (N,) int64, -1 for a miss
     u: Tensor  # (N,) barycentric weight of the triangle's second corner
@@ -123,28 +127,31 @@ class Hits(PointSet):
 
     @property
     def hit(self) -> Tensor:
-        """(N,) bool."""
+        """(N,) bool: rays that hit a triangle."""
         return self.triangle >= 0
 
 
 Opacity = Callable[..., Tensor]
-"""Maps a `Surface` to alpha (N,); with `by_camera=True` as the exported camera sees it directly (`MaterialOpacity.at`)."""
+"""Maps a `Surface` of N points to alpha (N,); with `by_camera=True` as the camera sees it (`MaterialOpacity.at`)."""
 
 _on_device: weakref.WeakKeyDictionary[SceneMesh, dict[torch.device, tuple[Any, ...]]] = weakref.WeakKeyDictionary()
-"""Corners, normals, UVs, materials, objects and size of each mesh by device; all renderers of the mesh share them."""
+"""Mesh -> device -> corners, normals, UVs, materials, objects and size; all renderers of the mesh share them."""
 
 
 class RayGeometry:
     """The scene's triangles, ready for rays and for look-ups. Rays are traced on the CPU, whatever the device.
 
+    `hidden` has the kinds of `RAYS` that each object is hidden from. `clear` (M,) bool marks materials that are not
+    opaque everywhere, `glassy` (M,) bool those with transmission in the scene. Both count as transparent, even where
+    `glass` is 0.
+
     Attributes:
         corners: (3, F, 3) positions: corner, triangle, component.
-        normals: (3, F, 3) shading normals, likewise.
-        uvs: (3, F, 2).
-        material, object: (F,) int64.
-        opacity: Alpha of materials; None if all are opaque.
-        glass: (M,) share of refracted light that passes a surface of each material. Materials that are `glassy` (M,) count as
-            transparent even where this is 0, as those do that are `clear` (M,): not opaque everywhere.
+        normals: (3, F, 3) shading normals, with the same axes.
+        uvs: (3, F, 2), with the same axes.
+        material, object: (F,) int64 indices.
+        opacity: Function that returns the alpha of surface points; None if all materials are opaque.
+        glass: (M,) share of light that passes through one surface of each material's glass; 0 without glass.
         size: Diagonal of the bounding box in meters; offsets and tolerances are relative to it.
     """
 
@@ -166,7 +173,7 @@ class RayGeometry:
         self._sort()
 
     def let_through(self, glass: Tensor) -> bool:
-        """Sets the transmittance (M,) of each material's glass; returns whether it has changed."""
+        """Sets `glass` (M,), the transmittance of each material's glass; returns True if `glass` has changed."""
         if torch.equal(glass, self.glass):
             return False
         self.glass = glass
@@ -174,7 +181,7 @@ class RayGeometry:
         return True
 
     def set_apart(self, materials: set[int]) -> None:
-        """Gives materials classes of their own, so that shadow rays can leave one material out (`without` in `clear`)."""
+        """Gives each of the materials classes of its own, so that shadow rays can ignore one (`without` in `clear`)."""
         if not materials <= self._apart:
             self._apart |= materials
             self._sort()
@@ -185,11 +192,15 @@ class RayGeometry:
         self._filter = any(c.clear for c in self._classes)
 
     def visible_to(self, ray: str) -> Tensor:
-        """(F,) bool: triangles that a kind of rays meets."""
+        """(F,) bool: triangles that are not hidden from a kind of `RAYS`."""
         return torch.tensor([ray not in hidden for hidden in self._hidden], device=self.device)[self.object]
 
     def first_hits(self, origin: Tensor, toward: Tensor, ray: str, numbers: Tensor | None = None) -> Hits:
-        """First hits of rays (3, N) of a kind; a transparent surface stops only its share of them, always the same by `numbers` (N,)."""
+        """First hits of rays of a kind of `RAYS`, from origins (3, N) in unit directions (3, N).
+
+        A transparent surface stops only its share of the rays; the others go on to their next hit. A ray's number in
+        `numbers` (N,), by default its index, decides if it stops, so that results repeat.
+        """
         hits = self.nearest(origin, toward, ray)
         if not self._filter:
             return hits
@@ -208,13 +219,13 @@ class RayGeometry:
         return hits
 
     def onward(self, hits: Hits, origin: Tensor, toward: Tensor, ray: str) -> Hits:
-        """Next surfaces that rays meet after their hits; distances still count from the origin."""
+        """Hits on the next surfaces behind the `hits` of rays; distances still count from the rays' origins."""
         start = hits.distance + 1e-5 * (self.size + hits.distance)
         further = self.nearest(origin + toward * start, toward, ray)
         return replace(further, distance=further.distance + start)
 
     def nearest(self, origin: Tensor, toward: Tensor, ray: str, among: Sequence[TriangleClass] | None = None) -> Hits:
-        """Nearest intersections of rays (3, N) of a kind with unit directions (3, N), transparent or not."""
+        """Nearest hits of rays (3, N) of a kind, transparent surfaces included; `among`: classes to meet, or all."""
         rays, met = (_rows(origin), _rows(toward)), None
         for each in self._classes if among is None else among:
             if ray not in each.hidden:
@@ -227,7 +238,10 @@ class RayGeometry:
         return Hits(triangle, u, v, torch.where(triangle >= 0, distance, torch.inf))
 
     def clear(self, origin: Tensor, toward: Tensor, distance: Tensor, without: int = -1, ray: str = "shadow") -> Tensor:
-        """Share (N,) of light that passes along unit directions (3, N) over meters (N,); a material `without` that is set apart blocks none."""
+        """Share (N,) of light that passes from origins (3, N) in unit directions (3, N) over `distance` (N,) meters.
+
+        `without` is a material that blocks no light, set apart before (see `set_apart`); -1 for none.
+        """
         passing = torch.ones(origin.shape[1], device=self.device)
         blocking = [c for c in self._classes if ray not in c.hidden and (without < 0 or c.material != without)]
         limit = distance.clamp_max(1e30).cpu().numpy().astype(np.float32)
@@ -255,21 +269,21 @@ class RayGeometry:
         return passing
 
     def stopping(self, surface: Surface, toward: Tensor) -> Tensor:
-        """Share (N,) of light along rays (3, N) that a surface stops; glass stops more at grazing angles, so that its rim casts a shadow."""
+        """Share (N,) of light along rays (3, N) that surface points stop; glass stops more at its rim."""
         solid = 1.0 if self.opacity is None else self.opacity(surface)
         through = self.glass[surface.material] * dot(surface.normal, toward).abs()
         return solid * (1 - through)
 
     def surface(self, hits: Hits, toward: Tensor) -> Surface:
-        """The surface at hits; where rays miss, finite values of triangle 0, to be ignored."""
+        """The surface points at the hits of rays (3, N); misses get finite values of triangle 0, to be ignored."""
         weights = torch.stack((1 - hits.u - hits.v, hits.u, hits.v))
         return self.interpolate(hits.triangle.clamp_min(0), torch.where(hits.hit, weights, 1 / 3), toward)
 
     def follow(self, hits: Hits, origin: Tensor, toward: Tensor) -> Surface:
-        """The surface where differentiable rays (3, N) meet the planes of the triangles they hit.
+        """The surface points where differentiable rays (3, N) meet the planes of the triangles that they hit.
 
-        All rays must have hit. Their barycentric weights are those of Moeller and Trumbore (1997). Hits of grazing rays move fast
-        over the surface, and few samples would have huge gradients: these are damped.
+        All rays must hit. The barycentric weights are those of Moeller and Trumbore (1997). Hits of grazing rays move
+        fast over the surface: their gradients, which would be huge, are damped.
         """
         a, b, c = (self.corners[k, hits.triangle].T for k in range(3))
         e1, e2, offset = b - a, c - a, origin - a
@@ -285,7 +299,7 @@ class RayGeometry:
         return self.interpolate(hits.triangle, torch.stack((1 - u - v, u, v)), toward)
 
     def interpolate(self, triangle: Tensor, weights: Tensor, toward: Tensor) -> Surface:
-        """The surface at barycentric weights (3, N) of triangles (N,), turned to face rays (3, N)."""
+        """The surface points at barycentric weights (3, N) of triangles (N,), with normals that face rays (3, N)."""
         a, b, c = (self.corners[k, triangle].T for k in range(3))
         facet = unit(cross(b - a, c - a), 1e-15)
         position = a * weights[0] + b * weights[1] + c * weights[2]
@@ -313,12 +327,12 @@ class Surface(PointSet):
 
 
 def facing(normal: Tensor, toward: Tensor) -> Tensor:
-    """Unit normals (3, N), bent just as far as rays (3, N) need to meet them from outside; else the surface would be dark."""
+    """Unit normals (3, N), bent just enough that rays (3, N) meet them from outside; else the surface would be dark."""
     return unit(normal - toward * (0.02 + dot(normal, toward)).clamp_min(0.0))
 
 
 def sphere_points(count: int, copies: int, generator: torch.Generator) -> Tensor:
-    """Stratified points in [0, 1)^2: (2, copies, count), each copy shifted at random (R2 sequence, Roberts 2018)."""
+    """Evenly spread points (2, copies, count) in [0, 1)^2: R2 sequence (Roberts 2018), each copy shifted at random."""
     index = torch.arange(1, count + 1, dtype=torch.float64)
     base = torch.stack((index * 0.7548776662466927, index * 0.5698402909980532))
     shift = torch.rand((2, copies, 1), generator=generator, dtype=torch.float64)
@@ -326,10 +340,10 @@ def sphere_points(count: int, copies: int, generator: torch.Generator) -> Tensor
 
 
 def shared_points(count: int, turn: Tensor, generator: torch.Generator) -> Tensor:
-    """Points (2, copies, count) in [0, 1)^2 that copies take from one sequence, shifted by one random step.
+    """Points (2, copies, count) in [0, 1)^2, all from one R2 sequence (see `sphere_points`) with one random shift.
 
-    A copy whose `turn` (copies,) is t takes the t-th group of `count` points of the R2 sequence (see `sphere_points`). Copies of
-    different turns thus add up to one evenly spread set, and averages over such neighbors have little noise.
+    A copy whose number in `turn` (copies,) is t takes the t-th group of `count` points of the sequence. Copies of
+    different turns add up to one evenly spread set, so that averages over them have little noise.
     """
     points = sphere_points(count * (int(turn.max()) + 1 if len(turn) else 0), 1, generator).to(turn.device)
     return points.view(2, -1, count)[:, turn]

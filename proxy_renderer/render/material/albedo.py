@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """GGX microfacets, and directional albedos of their reflection as short sums over fixed functions of the cosine.
 
-Energy compensation and layering need functions of (cosine, roughness, IOR). Roughness and IOR belong to a material, the cosine to
-a sample. Written as coefficients(roughness, IOR) @ basis(cosine), a function costs a sample one small dot product forwards and
-backwards. Coefficients are fitted once to integrals over visible microfacets (Heitz, "Sampling the GGX Distribution of Visible
-Normals", 2018). Vectors are in the frame of the surface: z is its normal, and the viewer is in the x-z plane.
+Energy compensation and layering need functions of (cosine, roughness, IOR). Roughness and IOR belong to a material, the
+cosine to a sample. Written as coefficients(roughness, IOR) @ basis(cosine), a function costs one small dot product per
+sample. Coefficients are fitted once to integrals over visible microfacets (Heitz, "Sampling the GGX Distribution of
+Visible Normals", 2018). Vectors are in the surface's frame: z is its normal, and the viewer is in the x-z plane.
 """
 
 import functools
@@ -16,14 +16,14 @@ from torch import Tensor
 
 _POWERS = (0, 1, 2, 3, 5, 8, 14)  # powers of (1 - cosine) that make the basis
 SCHLICK_CURVE = tuple(float(p == 5) for p in _POWERS)  # coefficients of (1 - c)^5
-_ROUGHNESS, _CONTRAST = 17, 17  # numbers of values in tables
-_SIDE = 12  # squared: microfacet normals per integral
+_ROUGHNESS, _CONTRAST = 17, 17  # numbers of roughness and IOR values in tables
+_SIDE = 12  # its square is the number of microfacet normals per integral
 COSINES = tuple((torch.linspace(0.0, 1.0, 24) ** 1.25 * 0.99 + 0.01).tolist())
 """Cosines at which `fit` takes the values of functions; denser at grazing angles, where albedos change fastest."""
 
 
 def basis(cosine: Float[Tensor, " n"]) -> Float[Tensor, "7 n"]:
-    """(7, N) powers of 1 - cosine (N,)."""
+    """The powers `_POWERS` of 1 - cosine (N,): (7, N)."""
     x = (1 - cosine).clamp(0.0, 1.0)
     x2 = x * x
     x3 = x2 * x
@@ -42,22 +42,22 @@ def fresnel(cosine: Tensor, ior: Tensor | float) -> Tensor:
 
 
 def f0_of(ior: Tensor) -> Tensor:
-    """Reflectance of a dielectric seen head on."""
+    """Reflectance of a dielectric of some IOR, seen head on."""
     return ((ior - 1) / (ior + 1)) ** 2
 
 
 def over_roughness(name: str, roughness: Tensor) -> Tensor:
-    """Coefficients (7,) of a table of `_tables` at a roughness (), or its "mean" (); (7, N) and (N,) for a roughness (N,)."""
+    """Coefficients (7,) of a table of `_tables`, or "mean" (), at a roughness (); (7, N) or (N,) at roughness (N,)."""
     return _between(_tables()[name], roughness)
 
 
 def over_ior(name: str, ior: Tensor) -> Tensor:
-    """Coefficients (7,) of the table "curve" of `_tables` at an IOR (), or (R, 7) of "dielectric"."""
+    """Coefficients at an IOR () of a table of `_tables`: (7,) of "curve", (R, 7) of "dielectric"."""
     return _between(_tables()[name], ((ior - 1) / (ior + 1)).clamp_min(1e-4).sqrt())
 
 
 def dielectric_share(roughness: Tensor, ior: Tensor) -> Tensor:
-    """Coefficients (7,) of the table "dielectric" of `_tables`; (7, N) for a roughness (N,)."""
+    """Coefficients of the table "dielectric" of `_tables`: (7,) at a roughness (), (7, N) at a roughness (N,)."""
     return _between(over_ior("dielectric", ior), roughness)
 
 
@@ -76,7 +76,7 @@ def weigh(coefficients: Tensor, basis_: Tensor) -> Tensor:
 
 
 def _between(table: Tensor, place: Tensor) -> Tensor:
-    """Cubic (Catmull-Rom) interpolation in a table (R, ...) over [0, 1]: (...) at a place (), (..., N) at places (N,)."""
+    """Catmull-Rom interpolation in a table (R, ...) over [0, 1]: (...) at a place (), (..., N) at places (N,)."""
     last = len(table) - 1
     x = place.clamp(0.0, 1.0) * last
     if place.dim():
@@ -101,7 +101,7 @@ def _tables() -> dict[str, Tensor]:
     """Tables of coefficients over R values of roughness and Z values of the IOR.
 
     energy (R, 7): the single-scattering albedo without Fresnel; mean (R,): its cosine-weighted mean, not coefficients
-    schlick (R, 7): s in albedo = mix(F0, 1, s), with Schlick's fifth power as Fresnel curve
+    schlick (R, 7): s in albedo = energy * mix(F0, 1, s), with Schlick's fifth power as Fresnel curve
     edge (R, 7): the albedo of F82's edge term c (1 - c)^6, divided by the albedo without Fresnel
     dielectric (Z, R, 7): s for a dielectric's true Fresnel curve
     curve (Z, 7): that curve itself, (F - F0) / (1 - F0), over the cosine at the half vector
@@ -151,7 +151,7 @@ def visible_normals(cosine: Tensor, alpha: Tensor | float, uv: Tensor) -> Tensor
 def mirrored(cosine: Tensor, normal: Tensor) -> tuple[Tensor, Tensor]:
     """Directions (3, ...) to which microfacets with normals (3, ...) reflect the viewer's ray.
 
-    Also the cosine (...) of the angle between viewer and microfacet normal. `cosine` (...) is that to the surface normal.
+    `cosine` (...): of viewer to surface normal. Also returns the cosine (...) of viewer to microfacet normals.
     """
     sine = (1 - cosine * cosine).clamp_min(0.0).sqrt()
     at_half = (sine * normal[0] + cosine * normal[2]).clamp(0.0, 1.0)
@@ -162,7 +162,7 @@ def mirrored(cosine: Tensor, normal: Tensor) -> tuple[Tensor, Tensor]:
 def unshadowed(cosine: Tensor, alpha: Tensor | float, leaving: Tensor) -> Tensor:
     """Share (...) of reflected light that no other microfacet blocks, G2/G1; 0 below the surface.
 
-    `cosine` and `leaving` (...) are those of viewer and reflected light to the normal; `alpha` is the roughness squared.
+    `cosine` and `leaving` (...): of viewer and reflected light to the surface normal. `alpha` is the roughness squared.
     """
     masking = (1 + alpha**2 * (1 / (cosine * cosine) - 1)).sqrt()
     shadowing = (1 + alpha**2 * (1 / leaving.clamp(1e-4, 1.0) ** 2 - 1)).sqrt()

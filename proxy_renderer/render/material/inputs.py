@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A material's shading inputs in one render, from constants, textures over UVs, and node networks baked from the exported camera."""
+"""A material's shading inputs in one render: constants, textures over UVs, and nodes baked from the exported camera."""
 
 from __future__ import annotations
 
@@ -22,16 +22,17 @@ from ..geometry.visibility import RayGeometry, Surface
 T = TypeVar("T")
 
 _UNIT_INPUTS = ("metallic", "roughness", "coat", "transmission")  # from 0 to 1, may vary over a surface
-_LEVELS = 7  # sizes of a texture, each half of the one before
+_LEVELS = 7  # number of sizes of a texture, each half of the previous size
 
 
 @dataclass(frozen=True)
 class ShadingInputs:
     """A material's inputs in one render: scalars () and colors (3,).
 
-    Where nodes compute them (see `varied`), `metallic`, `roughness`, `coat` and `transmission` are (N,), `emission` is (3, N). A
-    computed emission color is multiplied by `glow_tint`, a computed strength by `glow_factor`. Otherwise `emission_color` and
-    `strength` have the means of these products, by which the material lights other surfaces.
+    Textured inputs have a value for each of N samples (see `varied`): (N,) for `metallic`, `roughness`, `coat` and
+    `transmission`, (3, N) for `emission`. A textured emission color is multiplied by `glow_tint`, a textured strength
+    by `glow_factor`. Before `varied`, `emission_color` and `strength` have the means of these products, by which
+    the material lights other surfaces.
     """
 
     base: Tensor
@@ -51,14 +52,17 @@ class ShadingInputs:
     emission_color: Tensor
     glow_tint: Tensor
     glow_factor: Tensor
-    glow_recolor: Tensor | None
+    glow_recolor: Tensor | None  # () share by which a textured emission color is grayed; None if it is not
     strength: Tensor
-    recolor: Tensor | None
-    # where `seen` keeps results; None if it keeps none
+    recolor: Tensor | None  # () share by which a textured base color is grayed; None if it is not
+    # results of `seen` by name, each with its `view`; None if none are kept
     kept: dict[str, tuple[Tensor, Any]] | None = field(default=None, repr=False, compare=False)
 
     def seen(self, name: str, view: Tensor, make: Callable[[], T]) -> T:
-        """The result of `make`, which depends on these inputs and a view's albedo basis (7, N) only; kept for the next render."""
+        """The result of `make`, kept by name for further renders with the same `view`, an albedo basis (7, N).
+
+        It may depend on these inputs and `view` only. It is not kept if `view` needs gradients or `kept` is None.
+        """
         if self.kept is None or needs_gradient(view):
             return make()
         known = self.kept.get(name)
@@ -67,7 +71,7 @@ class ShadingInputs:
         return known[1]
 
     def uses(self, name: str, view: Tensor) -> bool:
-        """True if the weight with this name is `used`; kept per view (7, N), because reading a GPU's memory takes long."""
+        """True if the weight in the field `name` is `used`; kept by `view`, because reading a GPU's memory is slow."""
         return self.seen(f"uses {name}", view, lambda: used(getattr(self, name)))
 
     @property
@@ -77,7 +81,7 @@ class ShadingInputs:
         return color[:, None] * strength if color.dim() == strength.dim() == 1 else color * strength
 
     def varied(self, textured: Mapping[str, Tensor]) -> ShadingInputs:
-        """A copy with the inputs (1 or 3, N) that textures give its samples."""
+        """A copy with textured inputs for N samples; `textured`: name of the input -> values (1 or 3, N)."""
         if not textured:
             return self
         given: dict[str, Any] = {n: textured[n][0].clamp(0.0, 1.0) for n in _UNIT_INPUTS if n in textured}
@@ -88,7 +92,7 @@ class ShadingInputs:
         return replace(self, **given)
 
     def colored(self, texture: Tensor | None) -> Tensor:
-        """Base color (3, 1), or (3, N) where a texture (3, N) is linked."""
+        """Base color (3, 1), or (3, N) if a texture (3, N) is linked."""
         if texture is None:
             return self.base[:, None]
         return _grayed(texture, self.recolor) * self.base[:, None]
@@ -104,7 +108,7 @@ def _grayed(color: Tensor, recolor: Tensor | None) -> Tensor:
 def shading_inputs_of(
     material: Material, settings: RenderValues, kept: dict[str, tuple[Tensor, Any]] | None = None
 ) -> ShadingInputs:
-    """The shading inputs of one material; `kept` is where they keep terms computed from them."""
+    """The shading inputs of one material; `kept` is a dict for terms computed from them, see `ShadingInputs.seen`."""
     key, constants, textured = f"material/{material.name}/", material.constants, material.texture is not None
     base = settings.color(key + ("tint" if textured else "base_color"), 1.0 if textured else 0.8)
     glow_tint = settings.color(key + "emission_color", 1.0)
@@ -151,7 +155,7 @@ def used(weight: Tensor) -> bool:
 
 
 class MaterialTextures:
-    """All textures of a scene's materials; those baked from the exported camera are downsampled to the size of the render."""
+    """All textures of a scene's materials; those baked from the exported camera are downsampled to a render's size."""
 
     def __init__(self, scene: SceneData, device: torch.device, size: tuple[int, int] | None = None) -> None:
         self._scene = scene
@@ -165,11 +169,11 @@ class MaterialTextures:
             }
 
     def has(self, material: int, name: str) -> bool:
-        """True if a texture gives an input of a material; "base_color" is `Material.texture`."""
+        """True if a texture gives the input `name` of a material; "base_color" is `Material.texture`."""
         return (material, name) in self._images
 
     def at(self, material: int, name: str, surface: Surface) -> Tensor:
-        """An input (C, N) of one material at N points of its surface; differentiable in their positions."""
+        """Texture values (C, N) of a material's input at N surface points; differentiable in their positions."""
         row = self._scene.materials[material]
         texture = row.texture if name == "base_color" else row.maps[name]
         assert texture is not None
@@ -190,7 +194,7 @@ class MaterialTextures:
         return surface.uv
 
     def relative_base_color(self, surface: Surface, geometry: RayGeometry) -> Tensor | None:
-        """Base colors (3, N) over the mean of their texture, 1 where a baked one lacks the point; None if no point has a texture."""
+        """Base colors (3, N) over their texture's mean, 1 where none covers a point; None if no point has a texture."""
         result = None
         for material, row in enumerate(self._scene.materials):
             index = (surface.material == material).nonzero()[:, 0]
@@ -213,7 +217,7 @@ class MaterialTextures:
         return result
 
     def _seen(self, window: tuple[float, float, float, float], surface: Surface, geometry: RayGeometry) -> Tensor:
-        """(N,) bool: points inside a window of the exported camera's image that the camera sees, not hidden by others."""
+        """(N,) bool: points that the exported camera sees inside a window of its image, not hidden by others."""
         place = self._through(window, surface.position)
         offset, ahead = surface.position - self._view.position[:, None], -self._view.rotation[:, 2:3]
         depth = dot(ahead.expand_as(offset), offset)
@@ -224,7 +228,8 @@ class MaterialTextures:
         return ((place > 0) & (place < 1)).all(0) & (depth > 0) & (open_ > 0)
 
     def _footprints(self, image: Tensor, place: Tensor) -> Tensor:
-        """An image's colors (3, N), averaged over the way to the next place (2, N): in a mirror, much of a texture may fall into one pixel."""
+        """Colors (3, N) of an image (1, 3, H, W) at places (2, N), each averaged over the way to the next place."""
+        # In a mirror, much of a texture may fall into one pixel.
         step = (place[:, 1:] - place[:, :-1]).abs().amax(0) * image.shape[-1]
         level = torch.cat((step, step[-1:])).clamp_min(1.0).log2().clamp_max(_LEVELS - 1)
         grid = (place * 2 - 1).T[None, None]
@@ -236,7 +241,7 @@ class MaterialTextures:
         return result
 
     def _through(self, window: tuple[float, float, float, float], points: Tensor) -> Tensor:
-        """Coordinates (2, N) of points (3, N) in a window of the exported camera's image, [0, 1] from the lower left."""
+        """Places (2, N) of points (3, N) in a window of the exported camera's image, [0, 1] from the lower left."""
         pixel = self._view.project(points)
         x, y = pixel[0] / self._view.size[0], 1 - pixel[1] / self._view.size[1]
         left, bottom, right, top = window
@@ -244,7 +249,7 @@ class MaterialTextures:
 
 
 def _image(texture: Texture, device: torch.device, size: tuple[int, int] | None) -> Tensor:
-    """The texture as (1, C, H, W), row 0 at the bottom; one baked from the camera is downsampled for a render's size."""
+    """The texture as (1, C, H, W), row 0 at the bottom; a texture baked from the camera is downsampled to `size`."""
     image = torch.from_numpy(texture.image).to(device).permute(2, 0, 1)[None]
     if size is None or texture.window is None:
         return image
@@ -254,7 +259,7 @@ def _image(texture: Texture, device: torch.device, size: tuple[int, int] | None)
 
 
 class MaterialOpacity:
-    """Alpha of surfaces; `clear` (M,) is True for materials that are not opaque everywhere."""
+    """Alpha of surfaces; `clear` (M,) bool has the materials that are not opaque everywhere."""
 
     def __init__(self, scene: SceneData, device: torch.device) -> None:
         self._maps = MaterialTextures(scene, device)
@@ -265,7 +270,11 @@ class MaterialOpacity:
         self.clear[[*self._seen_only]] = True
 
     def at(self, surface: Surface, by_camera: bool = False) -> Tensor:
-        """Alpha (N,) of surface points; a map baked from the exported camera counts only for what it sees directly (`by_camera`), else its mean."""
+        """Alpha (N,) of surface points.
+
+        A map baked from the exported camera is read only if it sees the points directly (`by_camera`); else its mean
+        is.
+        """
         alpha = self._alpha[surface.material]
         for material, seen_only in self._seen_only.items():
             index = (surface.material == material).nonzero()[:, 0]

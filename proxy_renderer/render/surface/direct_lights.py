@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The samples as the camera sees them, and the direct light of each light on them, kept while neither camera nor light moves.
+"""The samples as the camera sees them, and the direct light of each light, kept while neither camera nor light moves.
 
 Also gradients of moving outlines and shadow edges, which point samples and rays cannot have themselves.
 """
@@ -26,24 +26,24 @@ from ..lights.shadows import LightClusters, ShadowFilter, cluster_shadow, shadow
 from ..material import albedo
 from ..transport.fog import FogMedium, LightPaths
 
-_PENUMBRA = 2  # a hard shadow may end at a pixel if visible shares differ within so many pixels around it
-_LEAST_SHARE = 1e-3
+_PENUMBRA = 2  # pixels: a hard shadow may end at a pixel if visible shares differ within this radius
+_LEAST_SHARE = 1e-3  # least difference of a visible share from 0 or 1
 _CONTOUR_WINDOW = 2  # pixels around a pair from which the contour's direction is estimated
 _GRAZING = 0.1  # least cosine between light and surface: below it, shadows move too fast over the surface
 
 
 @dataclass
 class _Shadowed:
-    """The visible share (N,) of a light, and the direct light if it needs no gradients."""
+    """Traced shadows of one light, and the results that are computed from them on demand."""
 
-    signature: tuple[float, ...]
-    visible: Tensor
-    direct_light: DirectLight | None = None
-    edges: ShadowEdges | None = None
+    signature: tuple[float, ...]  # placement of the lights in the light's cluster
+    visible: Tensor  # (N,) share of the light that each sample sees
+    direct_light: DirectLight | None = None  # kept if it needs no gradients
+    edges: ShadowEdges | None = None  # made when gradients of the shadows are needed
 
 
 class DirectLights:
-    """The direct light of each light in one view, whose samples are `seen`."""
+    """The direct light of each light at the samples of one view; `seen` has these samples without gradients."""
 
     def __init__(self, geometry: RayGeometry, samples: Samples, seen: ViewSamples, clusters: LightClusters) -> None:
         self._geometry, self._samples, self._seen, self._clusters = geometry, samples, seen, clusters
@@ -60,7 +60,7 @@ class DirectLights:
         return other
 
     def forget_moved(self, index: int, lamps: Sequence[LightSource]) -> bool:
-        """Drops a light's shadows if the light, or another of its cluster, has moved; returns whether they have to be traced."""
+        """Drops the shadows of light `index` if a light of its cluster has moved; True if shadows have to be traced."""
         kept = self._kept.get(index)
         if kept is not None and kept.signature == self._signature(index, lamps):
             return False
@@ -68,7 +68,7 @@ class DirectLights:
         return True
 
     def of(self, index: int, lamps: Sequence[LightSource], view_samples: ViewSamples, view: View) -> DirectLight:
-        """The direct light of a light, kept until `forget_moved` drops it; differentiable if light or camera moves."""
+        """Direct light of one light, kept until `forget_moved` drops it; differentiable if light or camera is."""
         lamp, moving = lamps[index], lamps[index].moving or view_samples.moving
         kept = self._kept.get(index)
         if not moving and kept is not None and kept.direct_light is not None:
@@ -97,7 +97,7 @@ class DirectLights:
         return tuple(number for member in members for number in lamps[member].signature())
 
     def _shadowed(self, index: int, lamps: Sequence[LightSource], direct: DirectIrradiance | None) -> _Shadowed:
-        """Traces a light's shadows; its unshadowed irradiance is computed where the caller has none."""
+        """Traces the shadows of light `index`; its unshadowed irradiance `direct` is computed if None."""
         row, signature = self._clusters.row[index], self._signature(index, lamps)
         view, cluster = (self._geometry, self._smoothing), self._clusters.clusters[row]
         if len(cluster.members) > 1:
@@ -111,24 +111,24 @@ class DirectLights:
 
 @dataclass(frozen=True)
 class ViewSamples:
-    """The samples as the camera sees them; differentiable when the camera is."""
+    """N samples on surfaces and B of the background, as the camera sees them; differentiable if the camera is."""
 
-    surface: Surface  # what N samples meet
-    toward_eye: Tensor  # (3, N) unit vectors
-    basis: Tensor  # (7, N) albedo basis of the viewing cosine
-    mirrored: Tensor  # (3, N) mirror directions
-    beyond: Tensor  # (3, B) directions of the samples that meet nothing
+    surface: Surface  # the N surface points
+    toward_eye: Tensor  # (3, N) unit vectors to the camera
+    basis: Tensor  # (7, N) `albedo.basis` of the viewing cosine
+    mirrored: Tensor  # (3, N) unit mirror directions
+    beyond: Tensor  # (3, B) unit directions of the background's rays
     _parts: dict[int, Tensor] = field(default_factory=dict, repr=False, compare=False)
 
     def part(self, samples: slice) -> Tensor:
-        """The albedo basis (7, n) at the samples of one material; the same object every time, see `ShadingInputs.seen`."""
+        """The albedo basis (7, n) at the samples of one material; always the same object, for `ShadingInputs.seen`."""
         if samples.start not in self._parts:
             self._parts[samples.start] = self.basis[:, samples]
         return self._parts[samples.start]
 
     @staticmethod
     def of(surface: Surface, toward: Tensor) -> ViewSamples:
-        """From the surface at the first N of the rays (3, N + B)."""
+        """Samples of camera rays with unit directions (3, N + B), of which the first N meet the points of `surface`."""
         n = surface.position.shape[1]
         cosine = -dot(surface.normal, toward[:, :n])
         mirrored = above(reflect(toward[:, :n], surface.normal), surface.facet)
@@ -146,20 +146,20 @@ class DirectLight:
     """Direct light of one light at N samples, per unit of its color."""
 
     irradiance: Tensor  # (N,) shadowed
-    area_specular: AreaSpecular | None  # shadowed; None for glowing surfaces and wide suns
+    area_specular: AreaSpecular | None  # shadowed; None for `pictured` lights: glowing surfaces and wide suns
     paths: LightPaths  # from the samples to the light
     _parts: dict[int, AreaSpecular] = field(default_factory=dict, repr=False, compare=False)
     _fogged: Recent = field(default_factory=Recent, repr=False, compare=False)
 
     def part(self, samples: slice) -> AreaSpecular:
-        """The highlight at the samples of one material; the same object every time, because it caches lobes."""
+        """The highlight at the samples of one material; always the same object, which caches lobes."""
         assert self.area_specular
         if samples.start not in self._parts:
             self._parts[samples.start] = self.area_specular.pick(samples)
         return self._parts[samples.start]
 
     def through(self, fog: FogMedium) -> DirectLight:
-        """The direct light dimmed by the fog between light and samples; the same fog gives the same object, because it caches lobes."""
+        """A copy dimmed by the fog between light and samples; for the same fog the same object, which caches lobes."""
 
         def dimmed() -> DirectLight:
             passing = self.paths.transmittance(fog)
@@ -170,7 +170,7 @@ class DirectLight:
 
     @staticmethod
     def of(lamp: LightSource, view_samples: ViewSamples, direct: DirectIrradiance, visible: Tensor) -> DirectLight:
-        """From unshadowed irradiance and the visible share (N,) of the light."""
+        """Direct light from unshadowed irradiance `direct` and the share (N,) of the light that each sample sees."""
         surface, specular = view_samples.surface, None
         if not lamp.pictured:
             unshadowed = area_specular(lamp, direct, surface.position, surface.normal, view_samples.toward_eye)
@@ -181,23 +181,23 @@ class DirectLight:
 
 @dataclass(frozen=True)
 class ShadowEdges:
-    """All pairs of neighboring pixels between which a hard shadow of one point of a light ends, for gradients of shadow edges.
+    """All E pairs of neighboring pixels between which a hard shadow of a point on a light ends, for gradients.
 
-    The soft shadow of a light is the mean of the hard shadows of points on it. Where such a hard shadow ends between two
-    neighboring pixels, its edge is the projection of a point on the blocker, from the light's point, onto the surface: a
-    differentiable function of the light's position and size. An edge that moves by one pixel darkens or lights one pixel. The
-    point on the blocker is the middle of the ray's way through it: the contour of a round blocker that the ray grazes.
+    The soft shadow of a light is the mean of the hard shadows of points on it. Where a hard shadow ends between two
+    neighboring pixels, its edge is the projection of a point on the blocker from the light's point to the surface: a
+    differentiable function of the light's position and size. An edge that moves by one pixel darkens or lights one
+    pixel. The point on the blocker is the middle of the ray's way through it, on the contour of a round blocker.
     """
 
-    pixel: Tensor  # (2, E) the pixel in shadow and the one in light
-    step: Tensor  # (2, E) offset from the first to the second, pixels, over the number of points of the light
+    pixel: Tensor  # (2, E) indices of the pixel in shadow and the pixel in light
+    step: Tensor  # (2, E) offset in pixels from shadow to light, divided by the number of points on the light
     spot: Tensor  # (2, E) the point of the light: `uv` of `LightSource.shadow_targets`
-    surface: Surface  # of the pixels in shadow
+    surface: Surface  # (E,) at the centers of the pixels in shadow
     blocker: Tensor  # (3, E) points on the blockers that cast the edge
 
     @staticmethod
     def of(geometry: RayGeometry, samples: Samples, view: View, lamp: LightSource, visible: Tensor) -> ShadowEdges:
-        """Traces hard shadows of points of a light in pixels of its penumbra; samples see a share `visible` (N,) of the light."""
+        """Finds edges of hard shadows of points on a light; each sample sees a share `visible` (N,) of the light."""
         pixel_index = (samples.center_hits.hit & _penumbra(samples, visible)).nonzero()[:, 0]
         width = samples.size[0]
         centers = torch.stack((pixel_index % width, pixel_index // width)).to(torch.float32) + 0.5
@@ -232,7 +232,7 @@ class ShadowEdges:
         return ShadowEdges(pixel, step / spots.shape[1], spot, surface.pick(dark), blocker)
 
     def term(self, view: View, lamp: LightSource, pixels: int) -> Tensor:
-        """Zeros (P,) whose gradient is that of the light's visible share in each pixel."""
+        """Zeros (P,), P = `pixels`, whose gradient is that of the light's visible share in each pixel."""
         toward, distance = lamp.shadow_targets(lamp.irradiance(self.surface.position, self.surface.normal), self.spot)
         if not lamp.at_infinity:
             toward = self.surface.position + toward * distance - self.blocker
@@ -247,7 +247,7 @@ class ShadowEdges:
 
 
 def _penumbra(samples: Samples, visible: Tensor) -> Tensor:
-    """(P,) bool: pixels near which the `visible` share (N,) of a light is above 0 at some samples and below 1 at some."""
+    """(P,) bool: pixels near which the `visible` share (N,) is above 0 at some samples and below 1 at some."""
     width, height = samples.size
     pixel = samples.pixel[: samples.surfaces]
     signed = torch.stack((visible, -visible))
@@ -259,7 +259,7 @@ def _penumbra(samples: Samples, visible: Tensor) -> Tensor:
 
 
 def _neighbors(samples: Samples, surface: Surface, pixel_index: Tensor, facing_lamp: Tensor) -> Tensor:
-    """(2, E) neighboring pixels on one smooth surface that both face the light, as indices into `pixel_index`."""
+    """Pairs (2, E) of neighboring pixels on one smooth surface that face the light, as indices into `pixel_index`."""
     width, height = samples.size
     index = torch.full((height * width,), -1, device=pixel_index.device)
     index[pixel_index[facing_lamp]] = facing_lamp.nonzero()[:, 0]
@@ -274,7 +274,7 @@ def _neighbors(samples: Samples, surface: Surface, pixel_index: Tensor, facing_l
 
 
 def _contour(geometry: RayGeometry, origin: Tensor, toward: Tensor, distance: Tensor) -> Tensor:
-    """Points (3, E) in the middle of what blocks rays (3, E): between its first hits from either end."""
+    """Middles (3, E) of what blocks rays (3, E) of length `distance` (E,): between the first hits from either end."""
     far = distance.clamp_max(2 * geometry.size)
     first = geometry.first_hits(origin, toward, "shadow").distance.minimum(far)
     last = far - geometry.first_hits(origin + toward * far, -toward, "shadow").distance.minimum(far)
@@ -283,28 +283,28 @@ def _contour(geometry: RayGeometry, origin: Tensor, toward: Tensor, distance: Te
 
 @dataclass(frozen=True)
 class Silhouettes:
-    """All pairs of pixels that an outline separates, for gradients of moving outlines.
+    """All E pairs of neighboring pixels that an outline separates, for gradients of moving outlines.
 
-    As in nvdiffrast (Laine et al. 2020, section 3.6), a pair of neighboring pixels with a near surface in one and something
-    farther in the other blends by where the outline passes between them. The image is antialiased already, so only the derivative
-    is added: (a - a.detach()) * (near - far), zero in value. The outline moves with the projection of the near surface's point;
-    along the contour's normal this is exact to first order, for creases as well as for smooth outlines.
+    One pixel of a pair has a near surface, the other something farther. As in nvdiffrast (Laine et al. 2020, section
+    3.6), their colors blend by the near surface's coverage a. The image is antialiased already, so only the derivative
+    is added: (a - a.detach()) * (near - far), zero in value. The outline moves with the projection of the near
+    surface's point; along the contour's normal this is exact to first order, for creases and smooth outlines.
     """
 
-    pixel: Tensor  # (2, E) pixel with the near and with the far surface
-    sample: Tensor  # (2, E) a sample of the near surface in the one, of the far one in the other
+    pixel: Tensor  # (2, E) indices of the pixel with the near and of the pixel with the far surface
+    sample: Tensor  # (2, E) index of a sample of the near surface, and of the far surface
     points: Tensor  # (3, E) world positions on the near surface
-    motion: Tensor  # (2, E) coverage that the near surface gains if its point moves by one pixel
+    motion: Tensor  # (2, E) coverage that the near surface gains if its point moves by one pixel along x or y
 
     @staticmethod
     def of(samples: Samples, surface: Surface) -> Silhouettes:
-        """Finds the pairs in a view; `surface` is that of the samples which meet one."""
+        """Finds the pairs in a view; `surface` has the points of the samples that meet a surface."""
         width, height = samples.size
         depth = samples.center_hits.distance.view(height, width)
         owner = samples.owner.view(height, width)
         pairs = [_pairs(depth, owner, axis) for axis in (0, 1)]
         near, far = (torch.cat([p[i] for p in pairs]) for i in (0, 1))
-        # The nearest sample of the one pixel, the farthest of the other.
+        # The nearest sample of the near pixel, the farthest sample of the far pixel.
         order, pixels = torch.argsort(samples.hits.distance, descending=True, stable=True), len(samples.first)
         nearest = last_of(samples.pixel, order, pixels)[near]
         sample = torch.stack((nearest, last_of(samples.pixel, order.flip(0), pixels)[far]))
@@ -326,7 +326,7 @@ class Silhouettes:
         return Silhouettes(torch.stack((near, far)), sample, surface.position[:, sample[0]], motion)
 
     def term(self, view: View, values: Tensor, pixels: int) -> Tensor:
-        """Zeros (C, P) whose gradient is that of moving outlines, from the values (C, N) of the samples."""
+        """Zeros (C, P), P = `pixels`, whose gradient is that of moving outlines, from values (C, N) of the samples."""
         place = view.project(self.points)
         moved = ((place - place.detach()) * self.motion).sum(0)
         values = values.detach()
@@ -337,7 +337,7 @@ class Silhouettes:
 
 
 def _pairs(depth: Tensor, owner: Tensor, axis: int) -> tuple[Tensor, Tensor]:
-    """Near and far pixel (E,) of neighbors along an axis between which the object or the depth jumps."""
+    """Indices (E,) of the near and (E,) of the far pixels of neighbors along an axis whose object or depth differs."""
     n = depth.shape[axis] - 1
     index = torch.arange(depth.numel(), device=depth.device).view(depth.shape)
     a, b = depth.narrow(axis, 0, n), depth.narrow(axis, 1, n)

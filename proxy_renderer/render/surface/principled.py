@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The Principled BSDF, layer by layer as Cycles weighs them (kernel/svm/closure.h): sheen, coat, metal, glass, dielectric.
+"""The Principled BSDF in layers, weighted as in Cycles (kernel/svm/closure.h): sheen, coat, metal, glass, dielectric.
 
-All samples of one material are shaded together, so its parameters are scalars and small vectors that broadcast; lobes whose
-weight is a constant zero are skipped.
+All samples of one material are shaded together, so the material's inputs are scalars and small vectors that broadcast.
+Lobes whose weight is a constant zero are skipped.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _FAINT = 1e-4  # reflectance seen head on below which the dielectric layer fades
 
 
 def shade(inputs: ShadingInputs, light: IncidentLight, texture: Float[Tensor, "3 n"] | None) -> Float[Tensor, "3 n"]:
-    """Outgoing radiance (3, N) towards the viewer."""
+    """Radiance (3, N) that the material sends to the viewer; `texture` is its linked base color, None for none."""
     base = inputs.colored(texture)
     clamped = within(base, 0.0, 1.0)
     result, weight = torch.zeros_like(light.irradiance), torch.ones((), device=base.device)
@@ -60,15 +60,15 @@ class _Layer(NamedTuple):
     """The terms of a reflecting layer that depend on the view, not on light."""
 
     e: Tensor  # (N,) single-scattering albedo without Fresnel
-    f0: Tensor  # (3, 1 or N) reflectance head on
-    curve: Tensor  # (7,) coefficients of its rise from f0 to 1, over the cosine at the half vector
+    f0: Tensor  # (3, 1 or N) reflectance seen head on
+    curve: Tensor  # (7,) coefficients of (F - f0) / (1 - f0), Fresnel's rise over the cosine at the half vector
     reflectance: Tensor  # (3, N) or (N,) for light from the surroundings
     boost: Tensor  # (3, N) or (N,) factor for light that bounces between microfacets
-    left: Tensor  # (3, N) or (N,) share that reaches what is below; 1 for a metal, which has nothing there
+    left: Tensor  # (3, N) or (N,) share of light that reaches the layers below; 1 for a metal, which has none
     edge: Tensor | None = None  # (3, 1 or N) weight of the F82 term that tints a metal's edge
 
     def reflected(self, light: IncidentLight, lobes: Sequence[Tensor], reflections: Tensor) -> Tensor:
-        """Reflected radiance (3, N) of lights, from their lobes (N,), and of the surroundings, from `reflections` (3, N)."""
+        """Reflected radiance (3, N): of lights, one lobe (N,) each, and of the surroundings, from `reflections`."""
         direct = specular(light, lobes, self.curve, self.f0)
         if self.edge is not None:
             curve = albedo.edge_curve().to(self.e.device)
@@ -78,7 +78,7 @@ class _Layer(NamedTuple):
 
 
 def _metal(inputs: ShadingInputs, view: Tensor, base: Tensor, single: tuple[Tensor, Tensor]) -> _Layer:
-    """F82-tint metal with multiple scattering (Kutz et al. 2021)."""
+    """F82-tint metal with multiple scattering (Kutz et al. 2021); `single` is from `single_scattering`."""
     e, mean = single
     f5 = (6 / 7) ** 5
     tint = within(inputs.specular_tint, 0.0, 1.0)[:, None]
@@ -117,7 +117,7 @@ def _dielectric(inputs: ShadingInputs, view: Tensor, single: tuple[Tensor, Tenso
 def _glass(
     inputs: ShadingInputs, light: IncidentLight, base: Tensor, lobes: Sequence[Tensor], reflections: Tensor, e: Tensor
 ) -> Tensor:
-    """Solid glass, approximately: Fresnel reflection, and the radiance along the ray refracted through it."""
+    """Radiance (3, N) of solid glass, approximated by Fresnel reflection and the light along one refracted ray."""
     ior = inputs.ior.clamp_min(1.0001)
     f0 = albedo.f0_of(ior) * within(inputs.specular_tint, 0.0, 1.0)[:, None]
     share = albedo.weigh(albedo.dielectric_share(inputs.roughness, ior), light.view).clamp(0.0, 1.0)
@@ -130,7 +130,7 @@ def _glass(
 
 
 def coat(inputs: ShadingInputs, light: IncidentLight) -> tuple[Float[Tensor, "3 n"], Float[Tensor, "*tinted n"]]:
-    """Reflected radiance (3, N) of the coat, and the share of light that reaches the layers below."""
+    """Reflected radiance (3, N) of the coat, and the share (N,) or (3, N) of light that reaches the layers below."""
     layer = inputs.seen("coat", light.view, lambda: _coat(inputs, light))
     lobes = [h.lobe(inputs.coat_roughness) for h in light.highlights]
     return layer.reflected(light, lobes, light.reflected.at(inputs.coat_roughness)), layer.left
@@ -164,11 +164,11 @@ _SHEEN = (
     (0.7311, 0.6541, 0.5787, 0.5044, 0.4373, 0.3795, 0.3300, 0.2882, 0.2604),
     (0.7497, 0.6829, 0.6155, 0.5503, 0.4919, 0.4421, 0.4000, 0.3652, 0.3419),
 )
-"""Albedo of Cycles' microfiber sheen: rows of rising roughness, columns of rising cosine, 0 to 1."""
+"""Albedo of Cycles' microfiber sheen: 9 rows for roughness from 0 to 1, 9 columns for the cosine from 0 to 1."""
 
 
 def sheen(inputs: ShadingInputs, light: IncidentLight) -> tuple[Float[Tensor, "3 n"], Float[Tensor, " n"]]:
-    """Microfiber sheen (3, N), lit as if diffuse, and the share (N,) left to the layers below."""
+    """Radiance (3, N) of microfiber sheen, lit as if diffuse, and the share (N,) of light that reaches layers below."""
     table = light.view.new_tensor(_SHEEN)
     place = inputs.sheen_roughness * 8
     low = min(int(place), 7)
@@ -181,7 +181,7 @@ def sheen(inputs: ShadingInputs, light: IncidentLight) -> tuple[Float[Tensor, "3
 
 @dataclass(frozen=True)
 class IncidentLight:
-    """Everything that arrives at N samples of one material."""
+    """All light that arrives at N samples of one material."""
 
     irradiance: Float[Tensor, "3 n"]  # (3, N) shadowed, direct and bounced
     lamps: Float[Tensor, "lamps 3"]  # (L, 3) colors of the lights in `highlights`
@@ -195,9 +195,9 @@ class IncidentLight:
 class ReflectedRadiance:
     """Radiance around the mirror direction for any roughness."""
 
-    knots: tuple[float, ...]  # increasing roughness
-    images: Sequence[Float[Tensor, "3 n"]]  # radiance (3, N) that a surface of each knot's roughness reflects
-    glow: ReflectedRadiance | None = None  # added radiance of glowing surfaces, with its own knots; or None
+    knots: tuple[float, ...]  # roughness of each image, increasing
+    images: Sequence[Float[Tensor, "3 n"]]  # for each knot, radiance (3, N) that a surface of this roughness reflects
+    glow: ReflectedRadiance | None = None  # radiance of glowing surfaces, added, with its own knots
 
     def at(self, roughness: Float[Tensor, "*varying"]) -> Float[Tensor, "3 n"]:
         """Radiance (3, N) for one roughness () or many (N,), interpolated between the two nearest knots."""
@@ -216,18 +216,21 @@ class ReflectedRadiance:
 def single_scattering(
     roughness: Float[Tensor, "*varying"], view: Float[Tensor, "7 n"]
 ) -> tuple[Float[Tensor, " n"], Float[Tensor, "*varying"]]:
-    """Single-scattering albedo (N,) without Fresnel, and its mean ()."""
+    """Single-scattering albedo (N,) without Fresnel, and its cosine-weighted mean, () or (N,) as the roughness."""
     energy, mean = (albedo.over_roughness(name, roughness) for name in ("energy", "mean"))
     return albedo.weigh(energy, view).clamp(0.05, 1.0), mean.clamp(0.05, 1.0)
 
 
 def multiple_scattering(fss: Float[Tensor, "*#n"], mean: Float[Tensor, "*#n"]) -> Float[Tensor, "*n"]:
-    """Fresnel factor of light between microfacets, from mean reflectance `fss` and mean albedo (Kulla and Conty 2017, appendix)."""
+    """Fresnel factor of light that bounces between microfacets (Kulla and Conty 2017, appendix).
+
+    `fss` is the mean Fresnel reflectance, `mean` the mean single-scattering albedo.
+    """
     return fss * mean / (1 - fss * (1 - mean))
 
 
 def summed(lamps: Float[Tensor, "lamps 3"], lobes: Sequence[Float[Tensor, " n"]]) -> Float[Tensor, "*light"]:
-    """Lobes (N,) of all lights times their colors (L, 3), summed over lights: (3, N), or 0 without lights."""
+    """Sum (3, N) over lights of lobe (N,) times color, a row of `lamps` (L, 3); 0 without lights."""
     if not lobes:
         return lamps.new_zeros(())
     if len(lobes) == 1:
@@ -238,7 +241,7 @@ def summed(lamps: Float[Tensor, "lamps 3"], lobes: Sequence[Float[Tensor, " n"]]
 def specular(
     light: IncidentLight, lobes: Sequence[Float[Tensor, " n"]], curve: Float[Tensor, " 7"], f0: Float[Tensor, "3 f0"]
 ) -> Float[Tensor, "3 n"]:
-    """Highlights (3, N) with Fresnel mix(f0, 1, curve at the half vector); f0 is (3, 1) or (3, N)."""
+    """Sum (3, N) of highlights, one lobe (N,) per light, with Fresnel mix(f0, 1, curve at the half vector)."""
     plain, pairs = summed(light.lamps, lobes), zip(lobes, light.highlights, strict=True)
     bent = summed(light.lamps, [lobe * (curve @ h.curve).clamp_min(0.0) for lobe, h in pairs])
     return f0 * plain + (1.0 - f0) * bent

@@ -27,14 +27,14 @@ from .direct_lights import DirectLight, ViewSamples
 from .principled import IncidentLight, ReflectedRadiance, shade
 from .view_cache import ViewCache
 
-_BENT = 0.02  # difference of IOR over which refracted images are compared
+_BENT = 0.02  # step of the IOR in finite differences of refracted images
 _SMOOTH = 0.25  # roughness below which reflections are sharp
-_LEAST_COAT = 0.05
-_GLASS_STEPS = 8  # number of steps of a glass's transmittance
+_LEAST_COAT = 0.05  # coat weight above which a coat's reflections count
+_GLASS_STEPS = 8  # steps of a glass's transmittance from 0 to 1
 
 
 def direct_lights_of(frame: RenderState) -> list[DirectLight]:
-    """Direct light of each light, dimmed by fog on its way to the samples; bounced light of lights that have moved is traced again as well."""
+    """Direct light of each light, dimmed by fog. Bounced light of lights that have moved is also traced again."""
     state = frame.lamps, frame.view_samples, frame.view
     direct_lights = [frame.cache.direct_light(i, *state) for i in range(len(frame.lamps))]
     return [each.through(frame.fog) for each in direct_lights] if frame.fog.active else direct_lights
@@ -45,8 +45,9 @@ def radiance(
 ) -> Tensor:
     """Radiance (3, N + B) of all samples: surfaces in the order of their materials, then background.
 
-    With a transparent film, a fourth row is the coverage of each sample. `gathered` must be made after `direct_lights_of`, which
-    traces the shadows of indirect light. `table` is that of `table_of`.
+    With a transparent film, a fourth row is the coverage of each sample. `direct_lights` is from `direct_lights_of`,
+    `table` from `table_of`. `gathered` is the indirect light; it must be gathered after `direct_lights_of`, which
+    traces its shadows.
     """
     cache, view_samples, sky = frame.cache, frame.view_samples, frame.sky
     gathered = cache.indirect.following(gathered, table, frame.sources)
@@ -88,7 +89,7 @@ def radiance(
 
 
 def direct(lights: Sequence[tuple[LightSource, DirectLight]]) -> Tensor | float:
-    """Irradiance (3, N) of some lights on all samples, 0 without any."""
+    """Shadowed irradiance (3, N) of some lights at the N surface samples; 0 without lights."""
     if not lights:
         return 0.0
     colors = torch.stack([lamp.color for lamp, _ in lights])
@@ -96,22 +97,23 @@ def direct(lights: Sequence[tuple[LightSource, DirectLight]]) -> Tensor | float:
 
 
 def _images(gathered: IndirectLight, worlds: list[Tensor], around: Tensor) -> tuple[tuple[float, ...], list[Tensor]]:
-    """Knots of roughness, and the radiance (3, N) that surfaces of each knot's roughness reflect.
+    """Roughness knots, and for each knot the radiance (3, N) that surfaces of this roughness reflect.
 
-    From the mirror image at 0 to the mean light `around` (3, N) at 1; `worlds` is the world's part at the knots but the last.
+    The first, at 0, is the mirror image; the last, at 1, is the mean light `around` (3, N). `worlds` has the world's
+    part (3, N) at each knot but the last.
     """
     sharp, blurred = worlds[0], worlds[-1]
     first = gathered.mirror + sharp * gathered.open_mirror
     last = gathered.glossy + blurred * gathered.open_glossy
     if len(worlds) == 2:
         return (0.0, GLOSSY, 1.0), [first, last, around]
-    # Between the two, surfaces are the mean of both; the world has a level of its own.
+    # Between first and last, surfaces are the mean of both; the world has an image of its own.
     between = (gathered.mirror + gathered.glossy) / 2 + worlds[1] * ((gathered.open_mirror + gathered.open_glossy) / 2)
     return (0.0, SATIN, GLOSSY, 1.0), [first, between, last, around]
 
 
 def _reflected(knots: tuple[float, ...], images: list[Tensor]) -> ReflectedRadiance:
-    """Reflected radiance from the images at all knots, followed by those of glowing surfaces, if anything glows."""
+    """Reflected radiance from images (3, n): one for each knot, then those of glowing surfaces, if anything glows."""
     images, glow = images[: len(knots)], images[len(knots) :]
     if not glow:
         return ReflectedRadiance(knots, images)
@@ -120,7 +122,7 @@ def _reflected(knots: tuple[float, ...], images: list[Tensor]) -> ReflectedRadia
 
 
 def table_of(frame: RenderState) -> RadianceTable:
-    """The radiance of all that secondary rays can meet."""
+    """Radiance of all surfaces, and of the world, that secondary rays can meet in this render."""
     rows = zip(frame.shading_inputs, frame.cache.mean_texture, strict=True)
     bounces = min(frame.cache.scene.bounces, 1)
     colors = torch.stack([p.base * mean * (1 - p.transmission) * bounces for p, mean in rows])
@@ -139,7 +141,7 @@ def table_of(frame: RenderState) -> RadianceTable:
 
 
 def _behind(frame: RenderState, table: RadianceTable, gathered: IndirectLight, material: int, part: slice) -> Tensor:
-    """Radiance (3, n) seen through samples of a material; its gradient by the IOR is a finite difference, as refracted rays may jump over edges."""
+    """Radiance (3, n) seen through the samples `part` of a glass material."""
     ior = frame.shading_inputs[material].ior
     here = float(ior.detach())
 
@@ -152,6 +154,7 @@ def _behind(frame: RenderState, table: RadianceTable, gathered: IndirectLight, m
     if not needs_gradient(ior):
         return straight
     with torch.no_grad():
+        # The gradient is a finite difference, because refracted rays may jump over edges.
         # Differences are those of x / (1 + x), so that a bright light which comes into view does not dominate.
         low, high = (light / (1 + light) for light in (picture_at(-1), picture_at(1)))
         slope = (high - low) * (1 + straight) ** 2 / (here + _BENT - max(here - _BENT, 1.0))
@@ -163,8 +166,8 @@ class RenderState:
     """The state of one render: camera, samples, lights, world, materials, fog."""
 
     view: View  # the camera
-    cache: ViewCache  # what has been traced for it
-    view_samples: ViewSamples  # the samples as it sees them
+    cache: ViewCache  # what has been traced for the camera
+    view_samples: ViewSamples  # the samples as the camera sees them
     lamps: list[LightSource]  # the lights: the scene's, the environment's suns, glowing surfaces
     sky: Sky  # the world
     shading_inputs: list[ShadingInputs]  # of every material
@@ -172,16 +175,16 @@ class RenderState:
 
     @functools.cached_property
     def sources(self) -> list[LightSource]:
-        """The lights that indirect light uses: one for each cluster."""
+        """The lights that indirect light uses: one for each cluster of lights that share shadows."""
         return self.cache.clusters.sources(self.lamps)
 
     @property
     def owners(self) -> dict[str, Tensor]:
-        """See `colors_by_owner`."""
+        """Owner -> color (3,) of its light, see `colors_by_owner`."""
         return colors_by_owner(self.lamps, self.sky)
 
     def only(self, owner: str) -> RenderState:
-        """A copy with the light of one owner only ("" for none), and with what surfaces emit."""
+        """A copy that is lit only by one owner, "light/NAME" or "world" ("" for none), and by glowing surfaces."""
         dark = torch.zeros_like(self.sky.color)
         lamps = [lamp if lamp.owner in (owner, "") else replace(lamp, color=dark) for lamp in self.lamps]
         sky = self.sky if owner == "world" else replace(self.sky, color=dark, backdrop_color=dark)
@@ -189,12 +192,12 @@ class RenderState:
 
 
 def colors_by_owner(lamps: Sequence[LightSource], sky: Sky) -> dict[str, Tensor]:
-    """Owner, "light/NAME" or "world", to the color (3,) of its light."""
+    """Owner of light, "light/NAME" or "world" -> color (3,) of its light, power or strength included."""
     return {**{lamp.owner: lamp.color for lamp in lamps if lamp.owner}, "world": sky.color}
 
 
 def mirror_weight(inputs: ShadingInputs) -> Tensor:
-    """Weight () of mirror reflection: 1 - roughness of a metal, else 0; in quarters, because rays are traced again when it changes."""
+    """Weight () of mirror reflection: 1 - roughness of a metal, else 0; in steps of 1/4: each change retraces rays."""
     smooth = (1 - inputs.roughness.detach()) * (inputs.metallic.detach() > 0.5)
     return (smooth * 4).ceil() / 4
 
@@ -207,10 +210,10 @@ def sharp(inputs: ShadingInputs) -> Tensor:
 
 
 def glass_transmittance(inputs: ShadingInputs) -> Tensor:
-    """Gray transmittance () of one surface of a material's glass, in steps: shadows are traced again at each.
+    """Gray transmittance () of one surface of a material's glass; in steps, because each change retraces shadows.
 
-    Cycles finds light through glass by chance, as caustics. Here the light goes straight on, which is right on average. A
-    Principled BSDF tints it with the root of its base color at each surface (kernel/svm/closure.h).
+    Cycles finds light through glass by chance, as caustics. Here the light goes straight on, which is right on average.
+    At each surface, a Principled BSDF tints the light with the root of its base color (kernel/svm/closure.h).
     """
     solid = inputs.transmission * (1 - inputs.metallic)
     through = solid * (1 - albedo.f0_of(inputs.ior)) * luminance(inputs.base.clamp(0, 1)).sqrt()

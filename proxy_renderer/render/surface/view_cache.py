@@ -30,17 +30,17 @@ from ..transport.indirect import FinalGather, IndirectFogRays
 from ..transport.secondary_hits import SecondaryHits, through
 from .direct_lights import DirectLight, DirectLights, Silhouettes, ViewSamples
 
-_SMALL_STEP = 0.02  # relative change of a light's placement up to which loops keep the traced bounced light
+_SMALL_STEP = 0.02  # relative change of a light's placement up to which gradient loops keep its bounced light
 _LEAST_ALIKE = 0.1  # cosine between a mapped and the true normal below which the map does not count
-_GEOMETRIC = ("alpha", "normal", "far")
-_FIRST_RADIUS, _RADIUS_GROWTH = 0.75, 1.5  # pixels of the first blurred layer's radius, and the next ones' ratio
+_GEOMETRIC = ("alpha", "normal", "far")  # texture maps that are no shading inputs
+_FIRST_RADIUS, _RADIUS_GROWTH = 0.75, 1.5  # radius in pixels of the first blurred layer; ratio to the next
 _MOST_RADIUS = 0.12  # largest radius, in parts of the image's longer side
 _LEAST_RADIUS = 0.2  # radius in pixels below which a whole image counts as sharp
 
 
 @dataclass(frozen=True)
 class GBuffer:
-    """Surfaces that the camera sees."""
+    """Images of the surfaces that the camera sees."""
 
     subject: Tensor  # (H, W) share of each pixel that the subject covers
     material: Tensor  # (H, W) int64, number of the material in the pixel's middle; -1 for the world
@@ -48,18 +48,18 @@ class GBuffer:
     normal: Tensor  # (H, W, 3) unit normals, x to the right, y up, z towards the camera; zero for the world
     transmittance: Tensor  # (H, W) share of light that fog lets through between what is seen and the camera
     pattern: Tensor  # (H, W) luminance of textured base colors relative to their material's mean; else 1
-    # names of materials of the surroundings; the subject may have them too, but words for it do not paint them
+    # names of materials of the surroundings; the subject may use them too, but words about the subject leave them alone
     surrounding: tuple[str, ...] = ()
-    # (H, W, 3) display image with gray surfaces in place of all that is seen: its colors are those of the light; black for the
-    # world; None if not rendered
+    # (H, W, 3) display image with all surfaces gray, so that its colors are those of the light; black for the world;
+    # None if not rendered
     gray: Tensor | None = None
 
 
 class ViewCache:
     """Samples, shadows and bounced light that are traced once per camera position.
 
-    `metals` (M,) are weights of mirror reflection, 0 for what is no metal. Pixels of `smooth` materials (M,) bool get several
-    samples. `lamps` include the suns of the world and glowing surfaces.
+    `metals` (M,) are the materials' weights of mirror reflection, 0 for all but metals. Pixels of `smooth` materials
+    (M,) bool get several samples. `lamps` are all lights, with the suns of the world and glowing surfaces.
     """
 
     def __init__(
@@ -93,7 +93,7 @@ class ViewCache:
             plain = np.ones(3, np.float32)
             means = (m.texture.image.mean((0, 1)) if m.texture else plain for m in scene.materials)
             self.mean_texture = [torch.from_numpy(mean).to(geometry.device) for mean in means]
-            # (1, N + B) 1 or 0: for all but holdouts, for the subject, for any surface
+            # (1, N + B) 1 or 0 by sample: no holdout; on the subject; on any surface
             subject = torch.tensor([o.subject for o in scene.objects], device=geometry.device)
             owner = geometry.object[samples.hits.triangle.clamp_min(0)]
             holdout = torch.tensor(["film" in o.hidden for o in scene.objects], device=geometry.device)
@@ -127,7 +127,7 @@ class ViewCache:
         return other
 
     def view_samples(self, view: View) -> ViewSamples:
-        """The samples as the view sees them; computed again, with gradients, if the view is moving."""
+        """The samples as the view sees them; computed again, with gradients, if the view needs them."""
         if not view.moving:
             return self._view_samples
         origin, toward = view.rays(self.samples.place)
@@ -152,7 +152,7 @@ class ViewCache:
         return replace(surface, normal=torch.cat(normals, 1))
 
     def textured_inputs(self, material: int, part: slice, view_samples: ViewSamples) -> dict[str, Tensor]:
-        """A material's inputs (C, n) that vary over its samples: "base_color", and parameters by name."""
+        """Name of a textured input, "base_color" or a parameter -> values (C, n) at a material's samples `part`."""
         if material in self._varying and not view_samples.moving:
             return self._varying[material]
         names = ["base_color", *(n for n in self.scene.materials[material].maps if n not in _GEOMETRIC)]
@@ -187,7 +187,7 @@ class ViewCache:
         )
 
     def direct_light(self, index: int, lamps: list[LightSource], view_samples: ViewSamples, view: View) -> DirectLight:
-        """Direct light of one of the lights; shadows are traced again if the light, or another of its cluster, has moved."""
+        """Direct light of light `index`; shadows are traced again if a light of its cluster has moved."""
         row, moved = self.clusters.row[index], self._direct.forget_moved(index, lamps)
         first = index == self.clusters.clusters[row].members[0]
         if first and (moved or row not in self._bounced):
@@ -208,10 +208,10 @@ class ViewCache:
     def behind(
         self, material: int, side: int, part: slice, ior: float, lamps: Sequence[LightSource]
     ) -> tuple[SecondaryHits, SparseWeights]:
-        """Hits of rays through a material's samples `part`, refracted by an IOR; kept by material and side.
+        """Hits of rays refracted through a material's samples `part`, and weights that interpolate irradiance to hits.
 
-        Also the interpolation of irradiance from the gather points to them. `side` is 0 for the material's own IOR, -1 and 1 for
-        those next to it. `lamps` has one light for each cluster.
+        The weights are for values at the gather points. Results are kept by material and `side`: 0 for the material's
+        own IOR, -1 and 1 for IORs one step below and above. `lamps` has one light for each cluster.
         """
         place = tuple(lamp.signature() for lamp in lamps)
         kept = self._through.get((material, side))
@@ -232,7 +232,7 @@ class ViewCache:
         return kept[2:]
 
     def indirect_fog(self, near: float) -> IndirectFogRays:
-        """The rays along which fog acts between surfaces; `near` is a typical distance of what is seen, meters."""
+        """Rays along which fog between surfaces is integrated; `near` is a typical viewing distance in meters."""
         if self._indirect_fog is None:
             with torch.no_grad():
                 points = self._view_samples.surface, self.view, self.indirect.gather_points
@@ -241,12 +241,12 @@ class ViewCache:
 
     @cached_property
     def outlines(self) -> Silhouettes:
-        """The outlines, for gradients with respect to the camera."""
+        """Pixel pairs at outlines, for gradients with respect to the camera."""
         with torch.no_grad():
             return Silhouettes.of(self.samples, self._view_samples.surface)
 
     def worlds(self, sky: Sky, view_samples: ViewSamples) -> tuple[Tensor, ...]:
-        """Uncolored radiance of the world: in the mirror directions, sharp to blurred, (3, N) each; last, behind all, (3, B)."""
+        """World's radiance per unit of `Sky.color`: reflections (3, N), sharp to blurred; then background (3, B)."""
 
         def looked_up(samples: ViewSamples) -> tuple[Tensor, ...]:
             rough = (GLOSSY,) if sky.plain else (SATIN, GLOSSY)
@@ -264,21 +264,21 @@ class ViewCache:
 class Defocus:
     """Depth of field of one view; a constant for gradients, which pass through the colors.
 
-    The image is cut into layers of about the same blur, each is blurred by a disc, and they are laid over each other from far to
-    near. Parts of layers that a near object hides are filled from what they show around it.
+    The image is cut into layers of about the same blur. Each layer is blurred by a disc, and the layers are laid over
+    each other from far to near. Parts of a layer that a near object hides are filled from the layer around them.
     """
 
     size: tuple[int, int]  # width and height of the image in pixels
-    # from far to near: a layer's opacity (H, W), and the Fourier spectrum of the disc that blurs it; None if it is sharp
+    # from far to near: a layer's opacity (H, W), and the Fourier spectrum of the disc that blurs it; None if sharp
     layers: list[tuple[Tensor, Tensor | None]]
-    padded: tuple[int, int]  # height and width that convolutions are done at
+    padded: tuple[int, int]  # height and width of images for convolution
 
     @staticmethod
     def of(camera: Camera, view: View, distance: Tensor) -> Defocus | None:
-        """The blur of a view with distances (H, W) along the pixels' rays, infinite for the background; None where all is sharp."""
+        """The blur of a view with distances (H, W) along its rays, infinite for the world; None if all is sharp."""
         if camera.aperture <= 0:
             return None
-        # Signed radius (H, W) of a thin lens's circles of confusion, as in Cycles: pixels, below 0 behind the plane in focus.
+        # Radius (H, W) of a thin lens's circles of confusion, as in Cycles: pixels, below 0 behind the plane in focus.
         toward = view.rays(pixel_centers(view.size).to(distance.device))[1]
         ahead = -view.rotation[:, 2:3]
         depth = (distance.flatten() * dot(ahead, toward)).view(distance.shape)
@@ -302,7 +302,7 @@ class Defocus:
         padded = distance.shape[0] + pad, distance.shape[1] + pad
         layers = []
         for number, knot in enumerate(knots):
-            # 1 from its radius half way to its neighbors' radii, 0 at those; at every pixel, one layer is opaque.
+            # Opacity: 1 from the layer's radius half way to its neighbors', 0 there. One layer is opaque at each pixel.
             share = torch.ones_like(radius)
             for neighbor in (*knots[number - 1 : number], *knots[number + 1 : number + 2]):
                 share = torch.minimum(share, (radius - neighbor) / (knot - neighbor))
@@ -325,7 +325,7 @@ class Defocus:
 
 
 def _disc(radius: float, size: tuple[int, int]) -> Tensor:
-    """Fourier spectrum of a disc with a radius in pixels, whose weights sum to 1, centered on the first pixel."""
+    """Fourier spectrum, for an image (height, width), of a disc of sum 1 with a radius in pixels at the first pixel."""
     y, x = (torch.minimum(torch.arange(n), n - torch.arange(n)).float() for n in size)
     away = (y[:, None].square() + x.square()).sqrt()
     weight = (radius + 0.5 - away).clamp(0.0, 1.0)
