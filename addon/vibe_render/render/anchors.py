@@ -24,7 +24,7 @@ from . import bake, final_render, light_groups
 def answer_anchor(
     scene: Scene, folder: Path, request: messages.Anchor, subject: Sequence[Object], pivot: Sequence[float]
 ) -> messages.Anchored:
-    """Renders the anchor that the engine requests to a file in `folder`; the answer also reports a failure."""
+    """Renders the anchor (small Cycles render) that the engine requests, into `folder`; the answer reports errors."""
     start = time.monotonic()
     name = f"anchor-{request.number}.exr"
     if bpy.app.is_job_running("RENDER"):
@@ -49,7 +49,7 @@ def render_anchor(
     samples: int = 32,
     seed: int = 0,
 ) -> dict[str, str]:
-    """Renders the scene with other values (by key), but without those of the film, to a multilayer EXR.
+    """Renders the scene with other values (by key; film values are ignored) to a multilayer EXR.
 
     The file has the scene-linear layers "Combined" (denoised), "Noisy Image" and one "Combined_…" for each light group.
     Compositor and view transform are left out. The file appears whole or not at all; the scene is left as it was.

@@ -29,8 +29,8 @@ def render_picture(
     The file appears whole or not at all; a VibeError says why it cannot be written. `size` is the longer side in pixels,
     `samples` the maximum for a pixel. An `exact` render has no adaptive sampling and no denoising: for measurements.
 
-    If `lights` is a path, the light layers are written there as a multilayer EXR: scene-linear, noisy, before
-    compositor and exposure. They are also returned, named as their light groups. Without `lights`, the list is empty.
+    If `lights` is a path, the light layers (one per light group) are written there as a multilayer EXR: scene-linear,
+    noisy, before compositor and exposure. They are returned, named as their light groups; else the list is empty.
     """
     with copied_scene(scene, graded=True) as twin:
         set_up(twin, size, samples, seed)

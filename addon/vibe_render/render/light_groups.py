@@ -43,7 +43,7 @@ class LightLayer:
 
 
 def light_layers(scene: Scene) -> list[LightLayer]:
-    """The layers of a scene: the artist's light groups, then other lights, the world, and all emitting objects."""
+    """A layer for each light group of the artist, then for other lights, the world, and all emitting objects."""
     layer = rendered.layer(scene)
     layer.update()  # so that objects that were added just now are in it
     world = rendered.world(scene)
@@ -96,7 +96,10 @@ def _glowing(scene: Scene) -> list[Object]:
 
 
 def _few(lights: Sequence[Object]) -> dict[str, list[Object]]:
-    """Name -> lights, at most `MOST` groups: if needed, numbered copies ("Bulb.001") share one, then the faintest."""
+    """Name of a group -> lights, for at most `MOST` groups; lights that share their data are always in one group.
+
+    If there are too many, numbered copies ("Bulb", "Bulb.001") share a group; then the faintest lights share `REST`.
+    """
     groups = sharing_data(lights)
     if len(groups) <= MOST:
         return groups
@@ -117,7 +120,7 @@ def _few(lights: Sequence[Object]) -> dict[str, list[Object]]:
 
 @contextmanager
 def grouped(layer: ViewLayer, groups: Iterable[tuple[str, Sequence[ID]]]) -> Iterator[list[str]]:
-    """Puts sources of light into new light groups of a copied scene's view layer for the block; yields the names.
+    """For the block, puts sources of light into new light groups of a copy's view layer; yields the groups' names.
 
     Each item of `groups` is (proposed name, sources); Blender may number the name.
     """
@@ -131,7 +134,7 @@ def grouped(layer: ViewLayer, groups: Iterable[tuple[str, Sequence[ID]]]) -> Ite
 
 
 class LightMix:
-    """The light layers of a render, in memory; without factors, their mix is the render.
+    """The light layers of a render, in memory: their sum plus `rest` is the render.
 
     `layers`: light group -> (H, W, 3) float32, scene-linear, row 0 at the bottom, denoised if the render is. `rest`
     (H, W, 4): the light that is in no layer, and the alpha of the image.
@@ -189,7 +192,7 @@ class LightMix:
 
 
 def _feed(tree: NodeTree, image: Image, passes: Image, first: str) -> None:
-    """Replaces Render Layers nodes: `image` is the image of view layer `first`; all other passes come from `passes`."""
+    """Replaces Render Layers by Image nodes: `image` for the image of view layer `first`, `passes` for other passes."""
     for node in list(tree.nodes):
         if node.type == "GROUP" and node.node_tree:
             node.mute = node.mute or node.node_tree.get(rendered.MARK) == mix.NAME  # `image` is mixed already

@@ -148,7 +148,7 @@ def instances(
     groups: Sequence[str] = schema.GROUPS,
     everything: bool = False,
 ) -> dict[str, schema.Instance]:
-    """Key -> parameter instance of the scene: its value, the role of its owner, and the lock reason ("" if unlocked).
+    """Key ("film/gamma") -> parameter of the scene, with its value, its owner's role and lock reason ("" if unlocked).
 
     `pivot` is the center of the subject's bounding box, world space: cameras and lights orbit it. `groups` names the
     schema's groups to read. With `everything`, materials that the camera does not see are included.
@@ -172,10 +172,10 @@ def read(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dic
 
 
 def write(scene: Scene, values: _ByKey, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, str]:
-    """Writes values (by key, in the schema's units) and records them in the snapshot; returns unwritten key -> reason.
+    """Writes values (by key, in the schema's units), recorded in the snapshot; returns key -> reason if not written.
 
     A missing light of `schema.added_lights` or material copy (`schema.material_copies`) is added if a key names it.
-    The world gets a backdrop if values for a backdrop differ from the world's own. An error undoes all changes.
+    A backdrop (background for the camera only) is added if its values differ from the world's. An error undoes all.
     Raises VibeError if a value has the wrong number of components, or is NaN or infinite.
     """
     with snapshot.transaction(scene) as journal:
@@ -196,7 +196,7 @@ def trial(scene: Scene, values: _ByKey, subject: Sequence[Object], pivot: Sequen
 def put(
     journal: Journal, scene: Scene, values: _ByKey, subject: Sequence[Object], pivot: Sequence[float]
 ) -> dict[str, str]:
-    """Writes values and returns as `write` does, but records in a journal that the caller keeps or undoes."""
+    """Writes values and returns the same as `write`, but records in a journal that the caller keeps or undoes."""
     for key, value in values.items():
         group, _, name = schema.split_key(key)
         parameter = schema.FAMILIES.get(f"{group}/{name}")
@@ -225,7 +225,7 @@ def put(
 
 
 def add_lights(journal: Journal, scene: Scene, names: Collection[str], subject: Sequence[Object]) -> list[Object]:
-    """Adds the `ADDED_LIGHTS` in `names` that the scene lacks, around the subject or, if it is empty, all meshes."""
+    """Adds and returns the missing lights of `ADDED_LIGHTS` in `names`, around the subject (if empty, all meshes)."""
     known = schema.added_lights.ADDED_LIGHTS
     missing = [name for name in known if name in names and name not in scene.objects]
     corners = scene_context.bounds(scene, subject or scene_context.meshes(scene)) if missing else ()

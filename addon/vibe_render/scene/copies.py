@@ -67,7 +67,10 @@ def evaluate_render(scene: Scene, read: Callable[[Depsgraph], T]) -> T:
 
 @contextmanager
 def viewer(twin: Scene, look: Callable[[Depsgraph], None]) -> Iterator[None]:
-    """For the block, a render of `twin` only calls `look` with its dependency graph; then raises an error of `look`."""
+    """For the block, gives a copied scene a render engine that only calls `look` with the dependency graph of a render.
+
+    The first error in `look` is raised at the end of the block.
+    """
     errors: list[Exception] = []
 
     class Viewer(bpy.types.RenderEngine):

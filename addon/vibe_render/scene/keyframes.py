@@ -26,7 +26,7 @@ class Track:
 
 
 def add(scene: Scene, tracks: Sequence[Track]) -> list[str]:
-    """Adds a curve per track, whose property must have none; returns a sentence per data-block that cannot have any."""
+    """Adds a curve for each track, which must have none; returns a sentence on each data-block that cannot have any."""
     journal, left = Journal(), {}
     try:
         for track in tracks:
@@ -50,7 +50,7 @@ def add(scene: Scene, tracks: Sequence[Track]) -> list[str]:
 
 
 def obstacle(block: ID) -> str:
-    """The reason why keyframes cannot be added to a data-block; "" if they can."""
+    """The reason why keyframes cannot be added to a data-block; "" if they can be added."""
     data = block.animation_data
     action = data.action if data else None
     if action is None:
@@ -94,7 +94,7 @@ def bring_back(scene: Scene) -> None:
 
 
 def take_away(scene: Scene) -> list[str]:
-    """Removes Vibe Render's keyframes and restores the earlier values; returns sentences on values that were lost."""
+    """Removes Vibe Render's keyframes, restores the earlier values; returns, in words, what could not be restored."""
     journal = stored_journal.sound(scene, KEY)
     scene.pop(KEY, None)  # first: the property counts as a user of the blocks to remove
     return journal.undo()

@@ -48,7 +48,7 @@ class LightType:
     has_position: bool = True  # False for lights at infinity, which have only a direction
 
     def offset(self, obj: Object, pivot: Vector, rotation: Matrix) -> Vector:
-        """World-space vector from the pivot to a light of 3x3 `rotation`; for a sun, a unit vector against its rays."""
+        """World-space vector from the pivot to a light; for a sun, against its rays, from its `rotation` (3x3)."""
         return obj.matrix_world.translation - pivot if self.has_position else rotation.col[2]
 
     def extent_slot(self, light: Light, locked: str) -> ValueSlot:

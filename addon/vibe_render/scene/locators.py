@@ -46,7 +46,7 @@ class _OrbitSlot:
 
 
 def orbit(name: str, context: SceneContext, obj: Object) -> ValueSlot | None:
-    """The slot of the orbit coordinate `name` of a camera or light; None for a light that only instances show."""
+    """The slot of orbit coordinate `name` of a camera or light; None for a light of instances or background sets."""
     if obj.type == "LIGHT" and context.scene not in obj.users_scene:
         return None
     if obj not in context.poses:
@@ -99,7 +99,7 @@ class _TemperatureSlot(PropertySlot):
 
 
 def light_temperature(context: SceneContext, obj: Object) -> ValueSlot | None:
-    """The slot of a light's temperature, K: of its Blackbody node if its own temperature is off, else its own."""
+    """The slot of a light's temperature, K: its own, or its Blackbody node's if it has one and its own is off."""
     if light_nodes.kelvin(obj.data) and not obj.data.use_temperature:
         return inputs.input_slot(lambda: light_nodes.kelvin(obj.data))
     return _TemperatureSlot(obj.data, "temperature", _light_lock(context, obj, "temperature"))
@@ -111,7 +111,10 @@ def shader(name: str, context: SceneContext, material: Material) -> ValueSlot | 
 
 
 def coat_weight(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The slot of a coat's weight, or None: the shader's input, else the greatest component of a lacquer's color."""
+    """The slot of a coat's weight: the shader's input, else the greatest color component of a metal's lacquer, or None.
+
+    A lacquer is a glossy shader that is mixed over a metal (`layers.lacquer_over`).
+    """
 
     def scaled(color: tuple[float, ...], strongest: float) -> tuple[float, ...]:
         before = max(color[:3])
@@ -158,7 +161,7 @@ def _of_all(find: Callable[[], list[NodeEntry]], inset: Inset, name: str, plain:
 
 
 def recolor(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The slot of the share, 0 to 1, that a Vibe Tint turns gray of a computed base color, or else emission color."""
+    """The slot of a Vibe Tint's Recolor, for a computed base or else emission color: 0 keeps it, 1 turns it gray."""
     glow = partial(layers.entry, material, "Emission Color")
     return material_tint("Recolor", context, material) or TINT.slot(glow, "Recolor")
 

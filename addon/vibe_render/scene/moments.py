@@ -79,7 +79,10 @@ def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
 
 
 def completed(moments: Sequence[Moment]) -> tuple[ByKey, list[ByKey]]:
-    """(values without looks, values of each look), all for every key that any look changes; moments sorted by frame."""
+    """(values without looks, values of each look): each by key, with all keys that any of the looks changes.
+
+    `moments` are sorted by frame. A look has the scene's value for a key that it does not change.
+    """
     base: ByKey = {}
     looks: list[ByKey] = [{} for _ in moments]
     for key in dict.fromkeys(key for moment in moments for key in moment.values):
@@ -226,7 +229,10 @@ def _curves(owner: bpy_struct, name: str, values: dict[int | None, Any], frames:
 
 
 def _keep(frames: np.ndarray, values: np.ndarray, one: int, other: int, kept: set[int]) -> None:
-    """Adds to `kept` the index between `one` and `other` that a straight line misses most; then treats both halves."""
+    """Adds to `kept` the index between `one` and `other` that a straight line misses most, then treats both halves.
+
+    Nothing is added if the line misses no value by more than `_TOLERANCE`.
+    """
     if other - one < 2:
         return
     inside = slice(one, other + 1)

@@ -19,7 +19,7 @@ from . import bindings, keyframes, scene_context, snapshot
 
 
 def hold(scene: Scene) -> None:
-    """Mutes the artist's curves of all values that only these curves lock; the values keep the current frame's value.
+    """Mutes the artist's curves of all values that only keyframes lock; each keeps its value at the current frame.
 
     Other values stay locked: those with drivers, NLA strips or curve modifiers, those whose action other data-blocks
     use, and those of node inputs that share a value.

@@ -202,7 +202,7 @@ EVERYTHING = frozenset({"subject"})
 
 
 def described_materials(shared: dict[Material, list[Object]], names: frozenset[str]) -> dict[Material, list[Object]]:
-    """The entries of `shared` whose material, or an object with it, is in `names`; all entries for `EVERYTHING`."""
+    """The entries of `shared` whose material is in `names` or on an object in `names`; all entries for `EVERYTHING`."""
     if names >= EVERYTHING:
         return shared
     worn = {m for obj in bpy.data.objects if obj.name in names for m in _materials_of(obj)}

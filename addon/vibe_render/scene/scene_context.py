@@ -60,7 +60,7 @@ def meshes(scene: Scene) -> list[Object]:
 
 
 def materials(scene: Scene, subject: Sequence[Object], everything: bool = False) -> dict[Material, str]:
-    """Material -> "subject" or "surroundings", for materials in the camera's frame or emitting, or for `everything`."""
+    """Material -> role, "subject" or "surroundings", if the camera sees it or it emits light, or with `everything`."""
     chosen, to_clip = set(subject), None if everything else rendered.frustum(scene)
     of = rendered.layer(scene)
     roles: dict[Material, str] = {}
@@ -95,7 +95,7 @@ def bounds(scene: Scene, objects: Iterable[Object]) -> tuple[Vector, Vector]:
 
 
 def scene_lengths(context: SceneContext) -> dict[str, float]:
-    """Name in `schema.REFERENCES` -> scene-wide length in meters (or its inverse), of which bounds are multiples."""
+    """Name in `schema.REFERENCES` -> scene-wide length (m or 1/m), of which bounds of parameters are multiples."""
     low, high = bounds(context.scene, context.subject or meshes(context.scene))
     height = max(high.z - low.z, 1e-3)
     camera = context.scene.camera
@@ -132,7 +132,7 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
 
 
 def light_lengths(distance: float) -> dict[str, float]:
-    """Name in `schema.REFERENCES` -> length of a light, from its distance to the pivot in meters."""
+    """Name in `schema.REFERENCES` -> length of a light, here its distance from the pivot (m), and the square (m²)."""
     return {"light_distance": distance, "light_distance_squared": distance * distance}
 
 

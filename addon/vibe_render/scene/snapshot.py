@@ -39,7 +39,7 @@ def forget(scene: Scene) -> None:
 
 
 def revert(scene: Scene) -> list[str]:
-    """Restores all values changed since `take`, removes the snapshot; returns sentences on values that were lost."""
+    """Restores all values changed since `take`, removes the snapshot; returns, in words, what could not be restored."""
     journal = load(scene)
     lost = keyframes.take_away(scene)
     forget(scene)  # first: the property counts as a user of the blocks to remove

@@ -55,7 +55,7 @@ def area_light(
     pivot: Point,
     color: Color = (1.0, 1.0, 1.0),
 ) -> Object:
-    """A square area light aimed at the pivot: angles (azimuth, elevation) in degrees, distance and size in meters.
+    """Adds a square area light aimed at the pivot: angles (azimuth, elevation) in degrees, distance and size in meters.
 
     `radiance` is that of a white diffuse surface at the pivot that faces the light.
     """
@@ -105,7 +105,7 @@ def mesh_object(scene: Scene, name: str, vertices: np.ndarray, faces: list, stuf
 
 
 def floor(scene: Scene, half_size: float, stuff: Material) -> Object:
-    """Adds a square floor at height 0, centered at the origin."""
+    """Adds a square floor at height 0, centered at the origin; `half_size` is half its side, meters."""
     corners = half_size * np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], float)
     return mesh_object(scene, "Stage", corners, [(0, 1, 2, 3)], stuff)
 

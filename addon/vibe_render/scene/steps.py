@@ -204,9 +204,9 @@ class Steps:
         return Change(self, self.values(place), sentence, sentence, place=place, first=place == 0)
 
     def _taken_back(self, title: str, said: sentences.AboutSteps) -> Change:
-        """The change that undoes words about `said.what`, and searches these words for `said.new` if it names a target.
+        """The change that restores the values that the words about `said.what` have changed.
 
-        If no step has such words, the change is a search for the sentence `title`.
+        If `said.new` names another target, the words are searched for it. If no step has them, `title` is searched.
         """
         for number, step in reversed([*enumerate(self.steps[: self.shown])]):
             if step.on and (words := step.keys_of(said.what, by_word=said.kind == "without")):
@@ -224,7 +224,7 @@ class Steps:
         return places[-1]
 
     def _mixed(self, first: Known, other: Known, share: float) -> dict[str, list[float]]:
-        """Key -> value at a share of the way from `first` to `other` (above 1: beyond), for keys that differ."""
+        """Key -> value at a share of the way from `first` to `other` (above 1: beyond), where the two differ."""
         return {
             key: along(key, first[key], (first[key], other[key]), share)
             for key in first
@@ -252,7 +252,7 @@ def origins(key: str) -> tuple[str, ...]:
 
 
 def old_value(key: str, before: Known, new: Sequence[float]) -> Sequence[float]:
-    """The value before a change to `new`: that in `before` of the key or its `origins`; without one, a neutral value.
+    """The value that `new` replaces: the one in `before` for the key or one of its `origins`, else a neutral value.
 
     Neutral is 0 for a light's power and a link, no tint for a horizon, and `new` itself for all others.
     """

@@ -25,14 +25,17 @@ class SubjectChoice:
 
     @property
     def explicit(self) -> bool:
-        """True if the artist has chosen."""
+        """True if the artist has chosen a subject."""
         return self.selected or bool(self.objects)
 
 
 def choose_subject(
     scene: Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces, choice: SubjectChoice
 ) -> np.ndarray:
-    """(N,) bool: True for objects of the geometry that are the subject, at least one; VibeError for a wrong choice."""
+    """(N,) bool: True for the objects of the geometry that are the subject, at least one.
+
+    Raises VibeError for an unknown name, or if the choice has no rendered mesh.
+    """
     names = {o.name_full for o in named_objects(scene, choice)}
     chosen = np.array([name in names or parent in names for name, parent in geometry.objects])
     if chosen.any():

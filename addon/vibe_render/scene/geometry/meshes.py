@@ -66,7 +66,7 @@ def _names(slots: list[Material | None]) -> tuple[str, ...]:
 
 
 def _read_mesh(mesh: Mesh, slots: list[Material | None], uv_of: UvLookup) -> SourceMesh:
-    """Copies a mesh. Attributes are read as blocks of memory, a hundred times faster than item by item."""
+    """Copies a mesh with its material slots. Attributes are read as blocks, a hundred times faster than items."""
     mesh.calc_loop_triangles()
     count, corners = len(mesh.loop_triangles), len(mesh.loops)
     polygon = array(mesh.loop_triangle_polygons, "value", (count,), np.int32)
@@ -106,7 +106,7 @@ def array(collection, attribute: str, shape: tuple[int, ...], kind: type) -> np.
 
 
 def box_geometry(scene: Scene, shown: Collection[Object], camera: RayCamera) -> SceneGeometry:
-    """Bounding boxes of the `shown` objects as triangles, without the sides that face the camera: they hide others."""
+    """Triangles of the `shown` objects' bounding boxes, without sides that face the camera and would hide objects."""
     of = rendered.layer(scene)
     known: dict[tuple[int, int], PlacedMesh] = {}
     placed: list[PlacedMesh] = []

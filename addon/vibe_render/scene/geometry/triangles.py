@@ -68,7 +68,7 @@ class SceneGeometry:
 
 
 def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
-    """World-space triangles of all placed meshes, without slots that show no surface; `warnings` and new ones."""
+    """World-space triangles of all placed meshes, without slots that show no surface; has `warnings` and new ones."""
     copies: dict[int, list[int]] = {}
     for number, thing in enumerate(things):
         copies.setdefault(id(thing.mesh), []).append(number)
@@ -122,7 +122,7 @@ class _Piece:
 
 
 def _pieces(copies: list[PlacedMesh]) -> Iterator[_Piece]:
-    """Yields a piece for each placed copy of one mesh; many copies are transformed at once, for a tree's leaves."""
+    """Yields a piece for each placed copy of one mesh; transforms many copies, such as a tree's leaves, at once."""
     mesh = copies[0].mesh
     solid = mesh.solid[mesh.slot]
     corners, slot = mesh.triangles[solid], mesh.slot[solid]

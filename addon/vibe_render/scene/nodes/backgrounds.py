@@ -99,7 +99,7 @@ def is_only_turned(world: World) -> bool:
 
 
 def _ways(texture: NodeInGroups) -> list[NodeInGroups]:
-    """The nodes that change a texture's direction, from the texture backwards; empty for plain coordinates."""
+    """The nodes that compute a texture's direction, from the texture backwards; without a Texture Coordinate node."""
     found: list[NodeInGroups] = []
     socket, inside = texture.node.inputs["Vector"], texture.inside
     while before := trails.source_output(socket, inside):
@@ -242,7 +242,7 @@ def with_backdrop(
     instances: Mapping[str, schema.Instance],
     values: Mapping[str, Sequence[float]],
 ) -> dict[str, Sequence[float]]:
-    """Adds a backdrop if `values` (by key) make it differ from the world's light; returns the values to write then."""
+    """Adds a backdrop if `values` (by key) make it differ from the world's light; returns the values still to write."""
     offer = offered_backdrop(world, instances)
     named = [key for key in values if key in offer]
     if world is None or not named:

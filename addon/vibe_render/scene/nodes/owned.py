@@ -49,7 +49,7 @@ def owned_group(journal: Journal, name: str, kind: str, fill: Callable[[NodeTree
 
 
 def group_input(tree: NodeTree, name: str, default: Any, *bounds: float) -> None:
-    """Declares a group's input of the type of its default: a number (`bounds` of its slider), a vector, or RGBA."""
+    """Declares a group's input; `default` (number, vector or RGBA) sets its type, `bounds` are a number's limits."""
     kind = {1: "NodeSocketFloat", 3: "NodeSocketVector", 4: "NodeSocketColor"}[np.size(default)]
     item = tree.interface.new_socket(name, in_out="INPUT", socket_type=kind)
     item.default_value = default
@@ -108,7 +108,7 @@ class Builder:
         return node
 
     def node(self, kind: str, *operands: Any, operation: str = "", **inputs: Any) -> Node:
-        """Adds a node; `operands` go to its first inputs, `inputs` to those of these names: see `put`."""
+        """Adds a node; links or sets (see `put`) its first inputs to `operands`, and the inputs named in `inputs`."""
         node = self.add(self.tree.nodes.new(kind))
         if operation:
             node.operation = operation

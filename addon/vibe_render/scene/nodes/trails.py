@@ -90,7 +90,7 @@ def is_foreign(node: Node) -> bool:
 
 
 def resolve(entry: NodeEntry) -> ValueOrigin:
-    """The place that an input's value comes from: a group node's own input, a Value or RGB node, another node."""
+    """The origin of an input's value: a group node's own input, a Value or RGB node, or an output that computes it."""
     socket, inside = entry.socket, entry.inside
     alike = entry.alike or (socket,)
     last = socket  # the input whose link is followed; `socket` does not go past the reroutes of this tree
