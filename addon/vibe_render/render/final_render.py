@@ -30,7 +30,7 @@ def render_picture(
     `samples` the maximum for a pixel. An `exact` render has no adaptive sampling and no denoising: for measurements.
 
     If `lights` is a path, the light layers (one per light group) are written there as a multilayer EXR: scene-linear,
-    noisy, before compositor and exposure. They are returned, named as their light groups; else the list is empty.
+    noisy, before compositor and exposure. The layers are also returned, named as their groups; else an empty list.
     """
     with copied_scene(scene, graded=True) as twin:
         set_up(twin, size, samples, seed)

@@ -26,7 +26,7 @@ class Track:
 
 
 def add(scene: Scene, tracks: Sequence[Track]) -> list[str]:
-    """Adds a curve for each track, which must have none; returns a sentence on each data-block that cannot have any."""
+    """Adds a curve for each track's property, which has none yet; returns why data-blocks cannot have any."""
     journal, left = Journal(), {}
     try:
         for track in tracks:

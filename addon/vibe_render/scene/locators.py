@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Locators: functions that find the slot of one value of an object, material, world or scene; None if it has none."""
+"""Locators: functions that find the slot of one value of an object, material, world or scene; None if it has none.
+
+A value slot reads and writes one stored value. For a value that nodes compute, it is an input of a Vibe Tint or Vibe
+Factor: a node group that Vibe Render adds behind these nodes, to multiply their result.
+"""
 
 from __future__ import annotations
 
@@ -161,7 +165,10 @@ def _of_all(find: Callable[[], list[NodeEntry]], inset: Inset, name: str, plain:
 
 
 def recolor(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The slot of a Vibe Tint's Recolor, for a computed base or else emission color: 0 keeps it, 1 turns it gray."""
+    """The slot of a Vibe Tint's Recolor on a computed base color, else on a computed emission color; else None.
+
+    Recolor is the share, 0 to 1, of the color that turns gray before it is tinted.
+    """
     glow = partial(layers.entry, material, "Emission Color")
     return material_tint("Recolor", context, material) or TINT.slot(glow, "Recolor")
 
@@ -194,7 +201,10 @@ def horizon(context: SceneContext, world: World) -> ValueSlot | None:
 
 
 def _single(world: World, part: str, name: str, inset: bool = True) -> NodeEntry | None:
-    """Input `name` of a part's only Background, or with `inset` of a Vibe Horizon in front of it; None if mixed."""
+    """Input `name` of the only Background of a world's part; None if there is not exactly one.
+
+    With `inset`, the color input of a Vibe Horizon instead, if one feeds this input.
+    """
     node = backgrounds.single_background(world, part)
     entry = node.entry(name) if node else None
     if entry is None or not inset:

@@ -32,7 +32,7 @@ _TURNING = ("azimuth", "rotation")
 
 @dataclass
 class Moment:
-    """A look at a frame."""
+    """A look (values found for a prompt) that the scene has at one frame."""
 
     frame: int
     prompt: str

@@ -27,7 +27,7 @@ def take(scene: Scene) -> None:
 
 
 def exists(scene: Scene) -> bool:
-    """True if there is something to revert to."""
+    """True if the scene has a snapshot."""
     return KEY in scene
 
 

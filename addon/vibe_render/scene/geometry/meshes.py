@@ -66,7 +66,7 @@ def _names(slots: list[Material | None]) -> tuple[str, ...]:
 
 
 def _read_mesh(mesh: Mesh, slots: list[Material | None], uv_of: UvLookup) -> SourceMesh:
-    """Copies a mesh with its material slots. Attributes are read as blocks, a hundred times faster than items."""
+    """Copies a mesh with its material slots; reads attributes as blocks, a hundred times faster than item by item."""
     mesh.calc_loop_triangles()
     count, corners = len(mesh.loop_triangles), len(mesh.loops)
     polygon = array(mesh.loop_triangle_polygons, "value", (count,), np.int32)

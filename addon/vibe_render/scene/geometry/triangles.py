@@ -22,7 +22,7 @@ _SLACK = 1e-3  # in steps between rays: how far rounding may move a corner
 
 @dataclass(frozen=True)
 class SourceMesh:
-    """One mesh as Blender holds it, in its own space."""
+    """One mesh as Blender stores it, in object space."""
 
     vertices: np.ndarray  # (V, 3) float32
     corners: np.ndarray  # (C,) int32, the vertex of each corner

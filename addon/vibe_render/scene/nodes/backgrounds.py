@@ -56,7 +56,7 @@ def single_background(world: World | None, part: str = LIGHT) -> NodeInGroups | 
 
 
 def mixed_entries(world: World, part: str, name: str) -> list[NodeEntry]:
-    """Input `name` of each mixed Background of a part; if one node gives several inputs their value, only the first."""
+    """Input `name` of each mixed Background of a world's part; of inputs that get the same value, only the first."""
     layers = mixed_backgrounds(world, part)
     alike = tuple(s for layer in layers if (s := layer.shader.input(name)))
     return trails.distinct(layer.shader.entry(name, alike) for layer in layers)

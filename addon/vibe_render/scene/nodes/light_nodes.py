@@ -42,7 +42,7 @@ def factor(light: Light) -> tuple[float, float, float] | None:
 
 
 def whiten(light: Light) -> None:
-    """Replaces the color from a Blackbody node by white, in place: `light` has to be a copy of the artist's."""
+    """Replaces the color from a Blackbody node by white, in place: `light` has to be a copy of the artist's light."""
     given = _emission(light)
     if given and not given[1] and kelvin(light):  # not in a group, which others may use
         socket = given[0].node.inputs["Color"]
@@ -51,7 +51,7 @@ def whiten(light: Light) -> None:
 
 
 def flatten(light: Light) -> None:
-    """Makes a light with nodes shine as if it had none, in place: `light` has to be a copy of the artist's."""
+    """Makes a light with nodes shine as if it had none, in place: `light` has to be a copy of the artist's light."""
     tree = compat.node_tree(light)
     assert tree
     plain = tree.nodes.new("ShaderNodeEmission")
