@@ -24,7 +24,7 @@ from . import bake, final_render, light_groups
 def answer_anchor(
     scene: Scene, folder: Path, request: messages.Anchor, subject: Sequence[Object], pivot: Sequence[float]
 ) -> messages.Anchored:
-    """Renders the anchor that the engine requests. A failure is reported in the answer and does not end the vibe."""
+    """Renders the anchor (small Cycles render) that the engine requests, into `folder`; the answer reports errors."""
     start = time.monotonic()
     name = f"anchor-{request.number}.exr"
     if bpy.app.is_job_running("RENDER"):
@@ -49,11 +49,13 @@ def render_anchor(
     samples: int = 32,
     seed: int = 0,
 ) -> dict[str, str]:
-    """Renders the scene with other values (by key), without compositor and view transform, to a multilayer EXR.
+    """Renders the scene with other values (by key; film values are ignored) to a multilayer EXR.
 
     The file has the scene-linear layers "Combined" (denoised), "Noisy Image" and one "Combined_…" for each light group.
-    It appears whole or not at all, and the scene is left exactly as it was. Returned are the names of the light groups
-    with their owners, "light/NAME" or "world"; light of other sources is only in "Combined".
+    Compositor and view transform are left out. The file appears whole or not at all; the scene is left as it was.
+
+    Returns:
+        Name of each light group -> its owner, "light/NAME" or "world". Light of other sources is only in "Combined".
     """
     linear_values = {key: value for key, value in values.items() if not key.startswith("film/")}
     with bindings.trial(scene, linear_values, subject, pivot), copied_scene(scene) as twin:

@@ -39,7 +39,7 @@ def png(mode: str, depth: str = "8") -> dict[str, Any]:
 
 
 def render_file(scene: Scene, path: Path, kind: Mapping[str, Any], **options: str) -> None:
-    """Renders a temporary scene to a file, atomically, with `image_settings` such as `LINEAR`, and operator options."""
+    """Renders a temporary scene to a file, atomically, with `image_settings` such as `LINEAR` and operator options."""
     assign(scene.render.image_settings, **kind)
     assign(scene.render, use_overwrite=True, use_file_extension=True)
     with whole(path) as part:
@@ -48,7 +48,7 @@ def render_file(scene: Scene, path: Path, kind: Mapping[str, Any], **options: st
 
 
 def render_pixels(scene: Scene, kind: Mapping[str, Any], **options: str) -> np.ndarray:
-    """Renders a temporary scene as `render_file` does: the pixels as `read_file` gives them."""
+    """Renders a temporary scene as `render_file` does; returns the pixels as `read_file` does."""
     with tempfile.TemporaryDirectory(prefix="vibe-") as folder:
         path = Path(folder) / f"pixels.{'png' if kind['file_format'] == 'PNG' else 'exr'}"
         render_file(scene, path, kind, **options)
@@ -139,7 +139,7 @@ def image_pixels(image: Image) -> np.ndarray:
 
 @contextmanager
 def emitting(material: Material, origin: ValueOrigin) -> Iterator[Material]:
-    """A copy of a material that emits the value at `origin`; removed after the block, with its copies of node groups."""
+    """Yields a copy of a material that emits the value of the node output `origin.source`; removed after the block."""
     twin = material.copy()
     compat.drop_action(twin.node_tree)
     with temporary(twin, *emit(twin.node_tree, origin, "Emission", "Material")):
@@ -147,7 +147,7 @@ def emitting(material: Material, origin: ValueOrigin) -> Iterator[Material]:
 
 
 def emit(tree: NodeTree, origin: ValueOrigin, shader: str, output: str) -> list[NodeTree]:
-    """Makes a copied material or world emit the value at `origin` in its tree; returns the node groups copied for it.
+    """Makes the tree of a copied material or world emit the value of `origin.source`; returns copied node groups.
 
     `shader` and `output` are "Emission" and "Material", or "Background" and "World".
     """
@@ -175,7 +175,7 @@ def emit(tree: NodeTree, origin: ValueOrigin, shader: str, output: str) -> list[
 
 
 def bake_view(scene: Scene, material: Material, size: int) -> np.ndarray:
-    """The camera's view with one emitting material on all objects: (H, W, 3), scene-linear; `size` is its longer side."""
+    """The camera's view with an emitting material on all objects: (H, W, 3), scene-linear; `size`: longer side."""
     sides = scene.render.resolution_x, scene.render.resolution_y
     width, height = (max(16, round(size * side / max(sides))) for side in sides)  # 16: Blender's minimum
     with copied_scene(scene, size=(width, height), film_transparent=False) as twin:
@@ -185,7 +185,7 @@ def bake_view(scene: Scene, material: Material, size: int) -> np.ndarray:
 
 
 def bake_uvs(material: Material, size: int) -> np.ndarray:
-    """An emitting material over the unit square of UV space: (size, size, 3), scene-linear, row 0 at v = 0."""
+    """The light of an emitting material over the unit square of UVs: (size, size, 3), scene-linear, row 0 at v = 0."""
     with empty_scene(size, size) as scene:
         mesh = bpy.data.meshes.new("Vibe Bake")
         mesh.from_pydata([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [], [(0, 1, 2, 3)])
@@ -212,7 +212,7 @@ def bake_panorama(scene: Scene, samples: int) -> np.ndarray:
 
 @contextmanager
 def empty_scene(width: int, height: int) -> Iterator[Scene]:
-    """A new scene with nothing but a camera; removed after the block."""
+    """Yields a new scene with nothing but a camera, for renders of this size in pixels; removed after the block."""
     scene = bpy.data.scenes.new("Vibe Bake")
     data = bpy.data.cameras.new("Vibe Bake")
     camera = bpy.data.objects.new("Vibe Bake", data)
@@ -225,7 +225,7 @@ def empty_scene(width: int, height: int) -> Iterator[Scene]:
 
 
 def mean_light_factor(light: Object, pivot: Vector) -> tuple[float, float, float]:
-    """The mean factor (red, green, blue) by which a light's nodes (IES, gobos; no Blackbody) change it toward the pivot."""
+    """Mean (red, green, blue) by which a light's nodes (IES, gobos; no Blackbody) scale its light toward the pivot."""
     # The ratio of two renders of a ball around the light, with and without the nodes. Its radius is that of the pivot's
     # distance, or 1 for a sun.
     endless = not type_of(light).has_position
@@ -253,7 +253,7 @@ def mean_light_factor(light: Object, pivot: Vector) -> tuple[float, float, float
 
 @contextmanager
 def _lit_ball(light: Object, radius: float) -> Iterator[tuple[Scene, Light]]:
-    """A temporary scene with a copy of a light at the center of a ball, and the copy's light data."""
+    """Yields (temporary scene with a copy of a light at the center of a ball, the copy's light data)."""
     data, mesh = light.data.copy(), bpy.data.meshes.new("Vibe Bake")
     shape = bmesh.new()
     bmesh.ops.create_uvsphere(shape, u_segments=32, v_segments=16, radius=radius)

@@ -29,8 +29,8 @@ def render_picture(
     The file appears whole or not at all; a VibeError says why it cannot be written. `size` is the longer side in pixels,
     `samples` the maximum for a pixel. An `exact` render has no adaptive sampling and no denoising: for measurements.
 
-    With `lights`, the light layers of the render are returned, named as their light groups, and written to this
-    multilayer EXR: scene-linear, noisy, before compositor and exposure.
+    If `lights` is a path, the light layers (one per light group) are written there as a multilayer EXR: scene-linear,
+    noisy, before compositor and exposure. The layers are also returned, named as their groups; else an empty list.
     """
     with copied_scene(scene, graded=True) as twin:
         set_up(twin, size, samples, seed)
@@ -60,7 +60,7 @@ def render_final(scene: Scene, path: Path) -> None:
 
 
 def render_mask(scene: Scene, path: Path, size: int, subject: Iterable[Object]) -> None:
-    """Renders a gray PNG of `size` pixels: the share of each pixel that the subject covers, white for all of it."""
+    """Renders a gray PNG, longer side `size` pixels: the share of each pixel that the subject covers, 1 is white."""
     theirs = {o.name_full for o in subject}
     with ExitStack() as stack:
         twin = stack.enter_context(copied_scene(scene, film_transparent=True))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light layers: sources of light that Cycles renders into one light group each; and their mix, through the compositor.
+"""Light layers: parts of a render, each the light of one Cycles light group; and their mix, through the compositor.
 
 Light adds up, so the layers of a render add up to its image. Sources in no light group (a linked light, emitting fog)
 are only in the whole image.
@@ -34,16 +34,16 @@ WORLD, EMISSION, REST = "World", "Emission", "Other Lights"
 
 @dataclass(frozen=True)
 class LightLayer:
-    """Sources of light that are rendered together."""
+    """Sources of light that are rendered into one light group."""
 
-    name: str  # of its light group
-    members: tuple[ID, ...]  # lights, objects that glow, the world
+    name: str  # of the light group
+    members: tuple[ID, ...]  # the sources: lights, objects that glow, the world
     own: bool = False  # whether the light group is the artist's
-    title: str = ""  # for people
+    title: str = ""  # the name that the artist sees
 
 
 def light_layers(scene: Scene) -> list[LightLayer]:
-    """The layers of a scene: the artist's light groups, then the other lights, the world and all emitting materials."""
+    """A layer for each light group of the artist, then for other lights, the world, and all emitting objects."""
     layer = rendered.layer(scene)
     layer.update()  # so that objects that were added just now are in it
     world = rendered.world(scene)
@@ -75,7 +75,7 @@ def all_lights(scene: Scene) -> list[Object]:
 
 
 def sharing_data(lights: Iterable[Object]) -> dict[str, list[Object]]:
-    """Lights grouped by their light data; the key is the name of the first light."""
+    """Name of the first light -> all lights that share its light data."""
     found: dict[ID, list[Object]] = {}
     for light in lights:
         found.setdefault(light.data, []).append(light)
@@ -96,7 +96,10 @@ def _glowing(scene: Scene) -> list[Object]:
 
 
 def _few(lights: Sequence[Object]) -> dict[str, list[Object]]:
-    """At most `MOST` groups of lights: if needed, numbered copies ("Bulb", "Bulb.001") share one, then the faintest."""
+    """Name of a group -> lights, for at most `MOST` groups; lights that share their data are always in one group.
+
+    If there are too many, numbered copies ("Bulb", "Bulb.001") share a group; then the faintest lights share `REST`.
+    """
     groups = sharing_data(lights)
     if len(groups) <= MOST:
         return groups
@@ -117,9 +120,9 @@ def _few(lights: Sequence[Object]) -> dict[str, list[Object]]:
 
 @contextmanager
 def grouped(layer: ViewLayer, groups: Iterable[tuple[str, Sequence[ID]]]) -> Iterator[list[str]]:
-    """Puts sources of light into new light groups of a copy's view layer for the block; yields the groups' names.
+    """For the block, puts sources of light into new light groups of a copy's view layer; yields the groups' names.
 
-    Each item of `groups` is a proposed name, which Blender may number, and the sources.
+    Each item of `groups` is (proposed name, sources); Blender may number the name.
     """
     with ExitStack() as stack:
         names = []
@@ -131,14 +134,14 @@ def grouped(layer: ViewLayer, groups: Iterable[tuple[str, Sequence[ID]]]) -> Ite
 
 
 class LightMix:
-    """The light layers of a render, in memory. If all factors are 1, the mix is the render.
+    """The light layers of a render, in memory: their sum plus `rest` is the render.
 
-    `layers` are by light group (H, W, 3) float32, scene-linear, row 0 at the bottom, denoised if the render is; `rest`
-    (H, W, 4) is the light that is in no layer, and the alpha of the image.
+    `layers`: light group -> (H, W, 3) float32, scene-linear, row 0 at the bottom, denoised if the render is. `rest`
+    (H, W, 4): the light that is in no layer, and the alpha of the image.
     """
 
     def __init__(self, path: Path, view_layer: str, names: Sequence[str], size: tuple[int, int]) -> None:
-        """Reads light groups from an EXR of `render_picture`, which `write` reads again; `size` is width and height."""
+        """Reads the light groups `names` from an EXR of `render_picture`, which `write` reads, too; `size`: (W, H)."""
         self._path = path
         self.layers: dict[str, np.ndarray] = {}
         passes = temporary(bpy.data.images.load(str(path)))
@@ -189,7 +192,7 @@ class LightMix:
 
 
 def _feed(tree: NodeTree, image: Image, passes: Image, first: str) -> None:
-    """Replaces Render Layers nodes: the image of the layer `first` by `image`, other passes by those of `passes`."""
+    """Replaces Render Layers by Image nodes: `image` for the image of view layer `first`, `passes` for other passes."""
     for node in list(tree.nodes):
         if node.type == "GROUP" and node.node_tree:
             node.mute = node.mute or node.node_tree.get(rendered.MARK) == mix.NAME  # `image` is mixed already

@@ -20,7 +20,7 @@ _NAME = "reference"
 
 
 def picture_name(settings: Any) -> str:
-    """The name of the reference image; "" if none is chosen."""
+    """The name of the reference image that the panel's settings choose; "" if none is chosen."""
     if settings.like_from == "FILE":
         return Path(settings.like.replace("\\", "/")).name
     if settings.like_from == "IMAGE":
@@ -29,7 +29,7 @@ def picture_name(settings: Any) -> str:
 
 
 def request_title(prompt: str, like: str) -> str:
-    """The request, as panels show it: the words in quotation marks, and the reference image's name."""
+    """The request as panels show it: “red metal” like photo.png; an empty part is left out."""
     parts = [f"“{prompt}”" if prompt else "", f"like {like}" if like else ""]
     return " ".join(filter(None, parts))
 
@@ -44,7 +44,10 @@ def picture_obstacle(settings: Any) -> str:
 
 
 def picture_path(scene: Scene, folder: Path) -> str:
-    """The path of the reference image, saved to the folder if it is no file; "" if none is chosen, VibeError if missing."""
+    """The path of the reference image, after saving it to `folder` if it is no file; "" if none is chosen.
+
+    Raises VibeError if the reference image is missing.
+    """
     settings = scene.vibe
     if not picture_name(settings):
         return ""
@@ -63,7 +66,7 @@ def _absolute(path: str) -> str:
 
 
 def _save_image(image: Image, folder: Path) -> Path:
-    """Saves an image's pixels as Blender has them, also painted or packed ones: floats as EXR, bytes as PNG."""
+    """Saves an image's pixels as Blender has them, also painted or packed ones, as EXR (floats) or PNG (bytes)."""
     width, height = image.size
     if width * height == 0:  # `size` reads the file; it is 0 if that fails
         raise schema.VibeError(f"The image {image.name} has no pixels.", "Choose another one.")
@@ -84,7 +87,7 @@ def _save_image(image: Image, folder: Path) -> Path:
 
 
 def _save_slot(scene: Scene, slot: int, folder: Path) -> Path:
-    """Saves the render in a slot, with the scene's view transform, as a PNG."""
+    """Saves the render in a slot (from 1), with the scene's view transform, as a PNG; returns the path."""
     result = _render_result()
     assert result is not None
     path, slots = folder / f"{_NAME}.png", result.render_slots

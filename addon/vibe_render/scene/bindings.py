@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The place in Blender of every parameter of the schema: one row each. `read` and `write` loop over the rows."""
+"""Bindings: for each parameter of the schema, where Blender stores its value and in which unit; one row each."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from .nodes import backgrounds
 from .nodes.backgrounds import BACKDROP, LIGHT
 from .nodes.grade import graded
 
-_ByKey = Mapping[str, Sequence[float]]  # values by the keys of their parameters
+_ByKey = Mapping[str, Sequence[float]]  # key of a parameter ("material/Glaze/roughness") -> its components
 
 
 @dataclass(frozen=True)
 class Codec:
-    """A pair of inverse functions between the value that Blender stores and the schema's components."""
+    """Two inverse functions: `decode` turns the value that Blender stores into the schema's components."""
 
     decode: Callable[[Any], schema.Values]
     encode: Callable[[schema.Values], Any]
@@ -46,12 +46,12 @@ LENS = Codec(
     lambda per_sensor: (math.degrees(2.0 * math.atan(0.5 / per_sensor)),),
     lambda values: 0.5 / math.tan(math.radians(values[0]) / 2.0),
 )
-"""Decodes a focal length, in multiples of the sensor's size, to the field of view in degrees."""
+"""Decodes a focal length, as a multiple of the sensor's size, to the field of view in degrees."""
 
 
 @dataclass(frozen=True)
 class ParameterBinding:
-    """A row: a parameter of the schema, the locator of its value slot, and the codec of its value."""
+    """A row: a parameter, the locator that finds its value slot in a scene, and the codec that converts its value."""
 
     parameter: schema.Parameter
     locator: at.Locator
@@ -129,7 +129,7 @@ BINDINGS: tuple[ParameterBinding, ...] = (
 def slots(
     context: scene_context.SceneContext, groups: Sequence[str] = schema.GROUPS
 ) -> Iterator[tuple[ParameterBinding, scene_context.Owner, ValueSlot]]:
-    """Every value that the scene has, with its row and owner; ordered by group, owner and row."""
+    """Yields (row, owner, value slot) for every value in the scene, ordered by group, owner and row of `BINDINGS`."""
     for group in groups:
         rows = [b for b in BINDINGS if b.parameter.group == group]
         for owner in scene_context.owners(context, group):
@@ -148,10 +148,10 @@ def instances(
     groups: Sequence[str] = schema.GROUPS,
     everything: bool = False,
 ) -> dict[str, schema.Instance]:
-    """Every parameter of some groups that the scene has, by key, with its value, its role, and the reason if it is locked.
+    """Key ("film/gamma") -> parameter of the scene, with its value, its owner's role and lock reason ("" if unlocked).
 
-    `pivot` is the center of the subject's bounding box, world space: cameras and lights orbit it. With `everything`,
-    materials that the camera does not see are included.
+    `pivot` is the center of the subject's bounding box, world space: cameras and lights orbit it. `groups` names the
+    schema's groups to read. With `everything`, materials that the camera does not see are included.
     """
     context = scene_context.SceneContext(scene, tuple(subject), Vector(pivot), everything)
     lengths = scene_context.scene_lengths(context)
@@ -166,17 +166,17 @@ def instances(
 
 
 def read(scene: Scene, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, schema.Values]:
-    """The values of all parameters and of the light links that Vibe Render added, by key; arguments as for `instances`."""
+    """Key -> value of each parameter, and of each light link that Vibe Render added; arguments as for `instances`."""
     found = {key: instance.value for key, instance in instances(scene, subject, pivot).items()}
     return found | light_links.read(scene)
 
 
 def write(scene: Scene, values: _ByKey, subject: Sequence[Object], pivot: Sequence[float]) -> dict[str, str]:
-    """Writes values (by key, in the schema's units), recorded in the snapshot; returns the keys not written, and why.
+    """Writes values (by key, in the schema's units), recorded in the snapshot; returns key -> reason if not written.
 
-    If a key names a light of `schema.added_lights` or a copy of a material (`schema.material_copies`) that the scene
-    lacks, it is added. If values for the backdrop differ from the world's, the world gets a backdrop. An error undoes all
-    changes: a VibeError if a value has the wrong number of components, or is NaN or infinite.
+    A missing light of `schema.added_lights` or material copy (`schema.material_copies`) is added if a key names it.
+    A backdrop (background for the camera only) is added if its values differ from the world's. An error undoes all.
+    Raises VibeError if a value has the wrong number of components, or is NaN or infinite.
     """
     with snapshot.transaction(scene) as journal:
         rest = put(journal, scene, values, subject, pivot)
@@ -186,7 +186,7 @@ def write(scene: Scene, values: _ByKey, subject: Sequence[Object], pivot: Sequen
 
 @contextmanager
 def trial(scene: Scene, values: _ByKey, subject: Sequence[Object], pivot: Sequence[float]) -> Iterator[dict[str, str]]:
-    """Writes values as `write` does, for the duration of the block; afterwards the scene is exactly as it was."""
+    """Writes values as `write` does and yields its result; after the block, the scene is exactly as it was."""
     with snapshot.undone(scene) as journal:
         rest = put(journal, scene, values, subject, pivot)
         rendered.layer(scene).update()
@@ -196,7 +196,7 @@ def trial(scene: Scene, values: _ByKey, subject: Sequence[Object], pivot: Sequen
 def put(
     journal: Journal, scene: Scene, values: _ByKey, subject: Sequence[Object], pivot: Sequence[float]
 ) -> dict[str, str]:
-    """Writes values as `write` does, recorded in a journal that the caller keeps or undoes."""
+    """Writes values and returns the same as `write`, but records in a journal that the caller keeps or undoes."""
     for key, value in values.items():
         group, _, name = schema.split_key(key)
         parameter = schema.FAMILIES.get(f"{group}/{name}")
@@ -225,7 +225,7 @@ def put(
 
 
 def add_lights(journal: Journal, scene: Scene, names: Collection[str], subject: Sequence[Object]) -> list[Object]:
-    """Adds the `ADDED_LIGHTS` in `names` that the scene lacks, placed around the subject, or around all meshes without one."""
+    """Adds and returns the missing lights of `ADDED_LIGHTS` in `names`, around the subject (if empty, all meshes)."""
     known = schema.added_lights.ADDED_LIGHTS
     missing = [name for name in known if name in names and name not in scene.objects]
     corners = scene_context.bounds(scene, subject or scene_context.meshes(scene)) if missing else ()

@@ -20,10 +20,10 @@ T = TypeVar("T")
 def copied_scene(
     scene: Scene, graded: bool = False, size: tuple[int, int] | None = None, **render: Any
 ) -> Iterator[Scene]:
-    """A copy of the scene that shares its objects, with its own output, passes and render result; removed after the block.
+    """Yields a copy of the scene that shares its objects, but has its own output and passes; removed after the block.
 
-    Sequencer, borders and stereo are off; `size` are pixels, `render` has further settings. A `graded` copy keeps the film
-    exposure and the compositor, but its File Output nodes write nothing.
+    Sequencer, borders and stereo are off. `size`: width and height in pixels; `render`: values of `scene.render`. A
+    `graded` copy keeps film exposure and compositor, but its File Output nodes write nothing. Other copies lack both.
     """
     with ExitStack() as stack:
         twin = scene.copy()
@@ -67,7 +67,10 @@ def evaluate_render(scene: Scene, read: Callable[[Depsgraph], T]) -> T:
 
 @contextmanager
 def viewer(twin: Scene, look: Callable[[Depsgraph], None]) -> Iterator[None]:
-    """Inside the block, the copied scene's render engine draws nothing and calls `look` with the graph of each render."""
+    """For the block, gives a copied scene a render engine that only calls `look` with the dependency graph of a render.
+
+    The first error in `look` is raised at the end of the block.
+    """
     errors: list[Exception] = []
 
     class Viewer(bpy.types.RenderEngine):

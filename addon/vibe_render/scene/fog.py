@@ -2,7 +2,7 @@
 """Vibe Fog: a box of fog that Vibe Render adds around the camera, the subject and objects near them.
 
 A world volume in Cycles would absorb all light of the world and of suns, which comes from infinitely far
-away. Inside the box, where z is the height above the box's origin, which is at the subject's base:
+away. Inside the box, with z the height above the box's origin (the height of the subject's lowest point):
 
     extinction = Density · exp(−Height Falloff · max(0, z − Height Offset)), scattering = Color · extinction
 """
@@ -33,7 +33,7 @@ _INPUTS: owned.GroupInputs = {
 
 @dataclass(frozen=True)
 class FogDomain:
-    """The fog's box: its center and half side lengths (world space, meters), and the height of the subject's base."""
+    """The fog's box: center, half side lengths, and `base`, the height of the subject's lowest point; world, meters."""
 
     center: Vector
     half_size: Vector
@@ -41,28 +41,28 @@ class FogDomain:
 
 
 def find_fog(scene: Scene) -> Object | None:
-    """The scene's fog box; None as long as there has been no fog."""
+    """The scene's fog box; None if no fog has been added."""
     return owned.find_owned(scene.objects, NAME)
 
 
 _PLANNED: dict[int, FogDomain] = {}
-"""By a scene's session ID, the box that its fog will get; for scenes with several cameras or frames."""
+"""Session ID of a scene -> the box that its fog will get; set for scenes with several cameras or frames."""
 
 
 def plan_fog_box(scene: Scene, shape: FogDomain) -> None:
-    """Sets the box that the scene's fog will get, independent of the camera and the frame at that time."""
+    """Sets the box that the scene's fog will get when it is added, whatever the camera and the frame are then."""
     _PLANNED[scene.session_uid] = shape
 
 
 def planned_fog_box(scene: Scene) -> FogDomain | None:
-    """The box that `plan_fog_box` has set."""
+    """The box that `plan_fog_box` has set for a scene; None if it has set none."""
     return _PLANNED.get(scene.session_uid)
 
 
 def fog_domain(context: scene_context.SceneContext, eyes: Sequence[Vector] = ()) -> FogDomain:
-    """The scene's box of fog, or the one that would be made.
+    """The box of the scene's fog; without fog, the planned box (`plan_fog_box`), or else a new one.
 
-    It contains the camera, the positions `eyes` of other cameras, and the part of the visible scene within four camera
+    A new box contains the camera, the positions `eyes` of other cameras, and the part of the scene within four camera
     distances of the pivot. Fog would hide objects beyond, and a larger box would absorb the world's light.
     """
     box = find_fog(context.scene)
@@ -88,7 +88,7 @@ def fog_domain(context: scene_context.SceneContext, eyes: Sequence[Vector] = ())
 
 @dataclass
 class _FogDensitySlot:
-    """Value slot: extinction at the base, 1/m. At 0 the box is hidden in renders, because it would cost time."""
+    """Value slot: the fog's extinction at its base, 1/m. A value of 0 hides the box in renders, which saves time."""
 
     box: Object
     input: ValueSlot
@@ -106,7 +106,7 @@ class _FogDensitySlot:
 
 
 def fog_slot(context: scene_context.SceneContext, name: str) -> ValueSlot:
-    """An input of the scene's fog. The box is made when a density above 0 is written, not before."""
+    """The slot of the fog's input `name` ("Density", …). Only writing a density above 0 adds a missing fog box."""
 
     def find_input() -> ValueSlot | None:
         box = find_fog(context.scene)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The keyframes that Vibe Render adds. Their own journal, on top of the snapshot, lets them be muted and removed."""
+"""The keyframes that Vibe Render adds. A journal records them apart from the snapshot, to mute and remove them."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from ..core import compat, stored_journal
 from ..core.journal import Journal, JournalEntry, address
 
 KEY = "vibe_keyframes"
-MOMENTS = "vibe_moments"  # the looks that the keyframes were made from, see `moments`
+MOMENTS = "vibe_moments"  # property with the looks that the keyframes were made from, see `moments`
 
 
 @dataclass(frozen=True)
 class Track:
-    """The values by frame, numbers or booleans, of a property or of the component `index` of an array."""
+    """Keyframes of one property, or of component `index` of an array property: frame -> number or boolean."""
 
     owner: bpy_struct
     name: str
@@ -26,7 +26,7 @@ class Track:
 
 
 def add(scene: Scene, tracks: Sequence[Track]) -> list[str]:
-    """Writes curves for properties that have none; returns what could not be keyframed, and why."""
+    """Adds a curve for each track's property, which has none yet; returns why data-blocks cannot have any."""
     journal, left = Journal(), {}
     try:
         for track in tracks:
@@ -50,7 +50,7 @@ def add(scene: Scene, tracks: Sequence[Track]) -> list[str]:
 
 
 def obstacle(block: ID) -> str:
-    """Why keyframes cannot be added to a data-block; "" where they can."""
+    """The reason why keyframes cannot be added to a data-block; "" if they can be added."""
     data = block.animation_data
     action = data.action if data else None
     if action is None:
@@ -64,12 +64,12 @@ def obstacle(block: ID) -> str:
 
 
 def exist(scene: Scene) -> bool:
-    """True if the scene has keyframes of Vibe Render's, muted or not."""
+    """True if the scene has keyframes that Vibe Render added, muted or not."""
     return KEY in scene
 
 
 def are_shown(scene: Scene) -> bool:
-    """True if the scene has keyframes of Vibe Render's that are not muted."""
+    """True if the scene has keyframes that Vibe Render added and that are not muted."""
     return any(not curve.mute for *_, curve in _curves(scene))
 
 
@@ -78,7 +78,7 @@ def _curves(scene: Scene) -> list[tuple[JournalEntry, ID, FCurve]]:
 
 
 def set_aside(scene: Scene) -> bool:
-    """Mutes Vibe Render's keyframes at their present values, from which a search can start; returns True if any was active."""
+    """Mutes Vibe Render's keyframes and keeps their values at the current frame; returns True if any was unmuted."""
     shown = are_shown(scene)
     for _, block, curve in _curves(scene):
         # Blender 5 does not write the values of a compositor's curves into its nodes.
@@ -94,13 +94,13 @@ def bring_back(scene: Scene) -> None:
 
 
 def take_away(scene: Scene) -> list[str]:
-    """Removes Vibe Render's keyframes and restores the values from before them; returns what could not be restored."""
+    """Removes Vibe Render's keyframes, restores the earlier values; returns, in words, what could not be restored."""
     journal = stored_journal.sound(scene, KEY)
     scene.pop(KEY, None)  # first: the property counts as a user of the blocks to remove
     return journal.undo()
 
 
 def forget(scene: Scene) -> None:
-    """Keeps Vibe Render's keyframes as the artist's own."""
+    """Makes Vibe Render's keyframes the artist's own: removes only the records about them."""
     for key in (KEY, MOMENTS):
         scene.pop(key, None)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Light linking: Vibe Render's links put a receiver collection of their own in place of the artist's, which is kept."""
+"""Light linking: a light that Vibe Render links gets a new receiver collection, which refers to the artist's one."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ States = dict[str, set[Object]]  # "INCLUDE" and "EXCLUDE" -> objects
 
 
 def states(collection: Collection | None) -> States:
-    """The objects of a receiver collection by link state; objects in a child collection have the child's state."""
+    """Link state -> objects of a receiver collection; objects in a child collection have the child's state."""
     found: States = {"INCLUDE": set(), "EXCLUDE": set()}
     if collection is None:
         return found
@@ -29,13 +29,13 @@ def states(collection: Collection | None) -> States:
 
 
 def read(scene: Scene) -> dict[str, schema.Values]:
-    """The light links that Vibe Render has added to a scene, by key; each has the value 1."""
+    """Key -> (1.0,) for each light link that Vibe Render has added to a scene."""
     receivers = (o.light_linking.receiver_collection for o in scene.objects if o.type == "LIGHT")
     return {key: (1.0,) for each in receivers if each for key in each.get(_LINKS, ())}
 
 
 def put(journal: Journal, scene: Scene, values: Mapping[str, Sequence[float]]) -> dict[str, str]:
-    """Adds or removes light links, by key; returns the keys that could not be set, and why."""
+    """Adds (value 1) or removes (0) light links by key, ignores other keys; returns key -> reason for links not set."""
     rest: dict[str, str] = {}
     wanted: dict[Object, dict[str, bool]] = {}
     for key, value in values.items():
@@ -59,7 +59,7 @@ def put(journal: Journal, scene: Scene, values: Mapping[str, Sequence[float]]) -
 
 
 def _receivers(journal: Journal, scene: Scene, light: Object, before: Collection | None, keys: list[str]) -> Collection:
-    """A new receiver collection: the artist's one (`before`), changed by one link after the other."""
+    """A new receiver collection: the objects of the artist's one (`before`), changed by each link of `keys` in turn."""
     receivers = owned.new(journal, "collections", f"Vibe Receivers of {light.name}", role="Vibe Receivers")
     receivers[_LINKS] = keys
     if before:

@@ -22,7 +22,7 @@ class LightExtent:
     """A measure of how large a light is: the larger, the softer its shadows."""
 
     parameter: str  # the schema's name of this measure
-    # from the measure (a size in multiples of the distance) to the angle in degrees that the light fills, and back
+    # from the value (of `SIZE`: multiples of the light's distance) to the angle that the light fills, degrees; and back
     to_angle: Callable[[float], float]
     from_angle: Callable[[float], float]
 
@@ -39,20 +39,20 @@ EXTENTS = (SIZE, ANGLE)
 
 @dataclass(frozen=True)
 class LightType:
-    """What differs between the lights of Blender."""
+    """The properties in which Blender's types of lights differ."""
 
     name: str  # Blender's name: the `type` of the light's data-block
-    extent_property: str  # of the data-block; it holds the extent
+    extent_property: str  # the property of the light's data-block that stores the extent
     energy: str = "power"  # the schema's name of its energy: "power" (W) or "strength" (W/m²)
-    extent: LightExtent = SIZE  # the schema's measure of its size; for an area light, one value scales both sides
+    extent: LightExtent = SIZE  # how the schema measures its size; for an area light, one value scales both sides
     has_position: bool = True  # False for lights at infinity, which have only a direction
 
     def offset(self, obj: Object, pivot: Vector, rotation: Matrix) -> Vector:
-        """A vector from the pivot to a light with a 3x3 rotation; for one at infinity, opposite to its rays; world space."""
+        """World-space vector from the pivot to a light; for a sun, against its rays, from its `rotation` (3x3)."""
         return obj.matrix_world.translation - pivot if self.has_position else rotation.col[2]
 
     def extent_slot(self, light: Light, locked: str) -> ValueSlot:
-        """The slot of the extent, with the reason why it is locked ("" if it is not)."""
+        """The value slot of a light's extent; `locked` is its lock reason, "" if it may change."""
         if self.name == "AREA":
             return _AreaSizeSlot(light, locked)
         return PropertySlot(light, self.extent_property, locked)
@@ -85,7 +85,7 @@ class _AreaSizeSlot:
 
 
 def exported(obj: Object) -> dict[str, Any]:
-    """A light's entries in scene.json that depend on its type: angles in radians; `scale` is the object's along the width."""
+    """A light's entries in scene.json that only its type has; angles in radians, `scale` along the light's width."""
     data = obj.data
     if data.type == "SPOT":
         return {"spot_size": data.spot_size, "spot_blend": data.spot_blend}

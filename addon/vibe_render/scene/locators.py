@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Locators: functions that return the slot of one value of an object, material, world or scene, or None without it."""
+"""Locators: functions that find the slot of one value of an object, material, world or scene; None if it has none.
+
+A value slot reads and writes one stored value. For a value that nodes compute, it is an input of a Vibe Tint or Vibe
+Factor: a node group that Vibe Render adds behind these nodes, to multiply their result.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +31,7 @@ Locator = Callable[[SceneContext, Any], ValueSlot | None]
 
 @dataclass
 class _OrbitSlot:
-    """Value slot: a coordinate of a pose, degrees or meters. The slots of one object share its pose."""
+    """Value slot: the azimuth, elevation (degrees) or distance (meters) of a pose, which an object's slots share."""
 
     pose: Pose
     name: str
@@ -46,7 +50,7 @@ class _OrbitSlot:
 
 
 def orbit(name: str, context: SceneContext, obj: Object) -> ValueSlot | None:
-    """A coordinate of a camera or light on its orbit; None for a light outside the scene, which instances place."""
+    """The slot of orbit coordinate `name` of a camera or light; None for a light of instances or background sets."""
     if obj.type == "LIGHT" and context.scene not in obj.users_scene:
         return None
     if obj not in context.poses:
@@ -55,7 +59,7 @@ def orbit(name: str, context: SceneContext, obj: Object) -> ValueSlot | None:
 
 
 def lens(context: SceneContext, obj: Object) -> ValueSlot | None:
-    """The focal length of a perspective camera, in multiples of its sensor's size; None for other cameras."""
+    """The slot of a perspective camera's focal length, as a multiple of its sensor's size; None for other cameras."""
     camera = obj.data
     if camera.type != "PERSP":
         return None
@@ -65,7 +69,7 @@ def lens(context: SceneContext, obj: Object) -> ValueSlot | None:
 
 
 def light_property(name: str, context: SceneContext, obj: Object) -> ValueSlot | None:
-    """A property of a light's data. Where several lights share the data, only the first one's slot is unlocked."""
+    """The slot of a property of a light's data, or None. Of lights that share data, only the first is unlocked."""
     if name not in obj.data.bl_rna.properties:
         return None
     return PropertySlot(obj.data, name, _light_lock(context, obj, name))
@@ -80,13 +84,13 @@ def _light_lock(context: SceneContext, obj: Object, name: str) -> str:
 
 
 def light_extent(context: SceneContext, obj: Object) -> ValueSlot:
-    """The slot of a light's radius, size or angle."""
+    """The slot of a light's radius or size (meters) or angle (radians), whichever its type has."""
     light_type = type_of(obj)
     return light_type.extent_slot(obj.data, _light_lock(context, obj, light_type.extent_property))
 
 
 class _TemperatureSlot(PropertySlot):
-    """Value slot: the color temperature of a light in kelvins; 6500 if its temperature is switched off."""
+    """Value slot: a light's own color temperature in kelvins; 6500 if it is switched off. Writing switches it on."""
 
     def get(self) -> float:
         return self.owner.temperature if self.owner.use_temperature else 6500.0
@@ -99,19 +103,22 @@ class _TemperatureSlot(PropertySlot):
 
 
 def light_temperature(context: SceneContext, obj: Object) -> ValueSlot | None:
-    """The temperature of a light: that of its Blackbody node, if it has one and the light's own temperature is off."""
+    """The slot of a light's temperature, K: its own, or its Blackbody node's if it has one and its own is off."""
     if light_nodes.kelvin(obj.data) and not obj.data.use_temperature:
         return inputs.input_slot(lambda: light_nodes.kelvin(obj.data))
     return _TemperatureSlot(obj.data, "temperature", _light_lock(context, obj, "temperature"))
 
 
 def shader(name: str, context: SceneContext, material: Material) -> ValueSlot | None:
-    """An input of a surface's shader, by its name on the Principled BSDF. A value that nodes compute is locked."""
+    """The slot of a shader input, by its name on the Principled BSDF, or None. A value that nodes compute is locked."""
     return inputs.input_slot(lambda: layers.entry(material, name))
 
 
 def coat_weight(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The weight of a coat: the shader's input, else the greatest color component of a metal's lacquer (`lacquer_over`)."""
+    """The slot of a coat's weight: the shader's input, else the greatest color component of a metal's lacquer, or None.
+
+    A lacquer is a glossy shader that is mixed over a metal (`layers.lacquer_over`).
+    """
 
     def scaled(color: tuple[float, ...], strongest: float) -> tuple[float, ...]:
         before = max(color[:3])
@@ -123,13 +130,13 @@ def coat_weight(context: SceneContext, material: Material) -> ValueSlot | None:
 
 
 def coat_roughness(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The roughness of a coat: the shader's input, else that of a metal's lacquer."""
+    """The slot of a coat's roughness, or None: the shader's input, else the roughness of a metal's lacquer."""
     lacquer = partial(layers.lacquer_entry, material, "Roughness")
     return shader("Coat Roughness", context, material) or inputs.input_slot(lacquer)
 
 
 def surface_color(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The base color, or the plain color of a material without nodes; None if nodes compute or mix it: it has a tint."""
+    """The slot of a constant base color (`diffuse_color` without nodes); None if nodes compute or mix it."""
     if compat.node_tree(material) is None:
         return PropertySlot(material, "diffuse_color", locks.of_property(material, "diffuse_color"))
     colors = layers.colors(material)
@@ -147,24 +154,27 @@ def glow(name: str, context: SceneContext, material: Material) -> ValueSlot | No
 
 
 def material_tint(name: str, context: SceneContext, material: Material) -> ValueSlot | None:
-    """An input of the Vibe Tint on a base color that nodes compute, or of one on each of several mixed colors."""
+    """The slot of a Vibe Tint's input `name`, for a base color that nodes compute or mix; None for a constant color."""
     return _of_all(partial(layers.colors, material), TINT, name, plain=len(layers.colors(material)) > 1)
 
 
 def _of_all(find: Callable[[], list[NodeEntry]], inset: Inset, name: str, plain: bool = True) -> ValueSlot | None:
-    """One slot for an input of the insets on all node inputs that `find` returns; `plain` as for `Inset.slot`."""
+    """One slot for input `name` of the insets in front of all node inputs that `find` returns; see `Inset.slot`."""
     slots = [inset.slot(partial(lambda number: find()[number], n), name, plain) for n in range(len(find()))]
     return together([slot for slot in slots if slot])
 
 
 def recolor(context: SceneContext, material: Material) -> ValueSlot | None:
-    """The share, 0 to 1, of a computed base color, or else of a computed glow, that the Vibe Tint turns to gray."""
+    """The slot of a Vibe Tint's Recolor on a computed base color, else on a computed emission color; else None.
+
+    Recolor is the share, 0 to 1, of the color that turns gray before it is tinted.
+    """
     glow = partial(layers.entry, material, "Emission Color")
     return material_tint("Recolor", context, material) or TINT.slot(glow, "Recolor")
 
 
 def background(name: str, part: str, context: SceneContext, world: World) -> ValueSlot | None:
-    """The color or strength of a part, LIGHT or BACKDROP, of a world; None for a mixed or computed color: it has a tint."""
+    """The slot of "Color" or "Strength" of a world's LIGHT or BACKDROP part; None for a mixed or computed color."""
     if backgrounds.mixed_backgrounds(world, part):
         strengths = partial(backgrounds.mixed_entries, world, part, "Strength")
         return _of_all(strengths, FACTOR, "Factor") if name == "Strength" else None
@@ -175,14 +185,14 @@ def background(name: str, part: str, context: SceneContext, world: World) -> Val
 
 
 def world_tint(part: str, context: SceneContext, world: World) -> ValueSlot | None:
-    """The Vibe Tint on a computed background color, or on the color of each of several mixed Backgrounds."""
+    """The slot of the Vibe Tint on a world's computed background color, or on all of several mixed ones; else None."""
     if backgrounds.mixed_backgrounds(world, part):
         return _of_all(partial(backgrounds.mixed_entries, world, part, "Color"), TINT, "Tint")
     return TINT.slot(partial(_single, world, part, "Color"), "Tint")
 
 
 def horizon(context: SceneContext, world: World) -> ValueSlot | None:
-    """The tint at the horizon of a backdrop with one constant color; None for other backdrops."""
+    """The slot of the tint at the horizon of a backdrop that has one constant color; None for other backdrops."""
     color = _single(world, BACKDROP, "Color")
     if color is None or inputs.resolve(color).source is not None:
         return None
@@ -191,7 +201,10 @@ def horizon(context: SceneContext, world: World) -> ValueSlot | None:
 
 
 def _single(world: World, part: str, name: str, inset: bool = True) -> NodeEntry | None:
-    """An input of a part's only Background; with `inset`, the first input of a Vibe Horizon that feeds it, if there is one."""
+    """Input `name` of the only Background of a world's part; None if there is not exactly one.
+
+    With `inset`, the color input of a Vibe Horizon instead, if one feeds this input.
+    """
     node = backgrounds.single_background(world, part)
     entry = node.entry(name) if node else None
     if entry is None or not inset:
@@ -202,7 +215,7 @@ def _single(world: World, part: str, name: str, inset: bool = True) -> NodeEntry
 
 
 def volume(name: str, context: SceneContext, scene: Scene) -> ValueSlot | None:
-    """A value of the fog: of the artist's world volume if there is one, else of the Vibe Fog box."""
+    """The slot of the fog's value `name`: of the artist's world volume if there is one, else of the Vibe Fog box."""
     world = rendered.world(scene)
     if trails.world_volume(world) is None:
         return fog.fog_slot(context, name)
@@ -215,5 +228,5 @@ def volume(name: str, context: SceneContext, scene: Scene) -> ValueSlot | None:
 
 
 def view(name: str, context: SceneContext, scene: Scene) -> ValueSlot:
-    """A property of the scene's view transform."""
+    """The slot of a property of the scene's view transform, such as "exposure"."""
     return PropertySlot(scene.view_settings, name, locks.of_property(scene.view_settings, name))

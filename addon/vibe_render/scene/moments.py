@@ -23,23 +23,23 @@ from . import bindings, keyframes, snapshot, steps
 from .keyframes import Track
 from .nodes import owned
 
-ByKey = dict[str, list[float]]
+ByKey = dict[str, list[float]]  # key of a parameter -> its components
 VERSION = 1
-_TOLERANCE = 0.005, 2e-4  # of a value, and of its range: a key this close to a straight line is left out
+_TOLERANCE = 0.005, 2e-4  # shares of a value and of its range: a key that is their sum or less off a line is left out
 _BRIGHT = ("power", "strength", "backdrop_strength", "emission")
 _TURNING = ("azimuth", "rotation")
 
 
 @dataclass
 class Moment:
-    """A look at a frame."""
+    """A look (values found for a prompt) that the scene has at one frame."""
 
     frame: int
     prompt: str
     values: ByKey  # the values that the look changes
     base: ByKey  # the scene's values without the look; has all keys of `values`, and more
     pivot: list[float]  # the subject's center, world space
-    subject: list[str] = field(default_factory=list)  # names of its objects
+    subject: list[str] = field(default_factory=list)  # names of the subject's objects
 
 
 def of(scene: Scene) -> list[Moment]:
@@ -58,10 +58,10 @@ def of(scene: Scene) -> list[Moment]:
 
 
 def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
-    """Writes the looks as keyframes at their frames, in place of earlier ones; returns what was left alone, and why.
+    """Writes the looks of all moments as keyframes, in place of earlier ones; returns sentences on values that stay.
 
-    What one look adds is in the scene at all frames; an added light has no power in the other looks. Values with the
-    artist's own keyframes or drivers stay.
+    An object that one look adds is in the scene at all frames; an added light has no power in the other looks. Values
+    with the artist's own keyframes or drivers stay.
     """
     moments = sorted(moments, key=lambda moment: moment.frame)
     keyframes.take_away(scene)
@@ -79,7 +79,10 @@ def show(scene: Scene, moments: Sequence[Moment]) -> list[str]:
 
 
 def completed(moments: Sequence[Moment]) -> tuple[ByKey, list[ByKey]]:
-    """The scene's values without the looks, and each look with the keys of all of them."""
+    """(values without looks, values of each look): each by key, with all keys that any of the looks changes.
+
+    `moments` are sorted by frame. A look has the scene's value for a key that it does not change.
+    """
     base: ByKey = {}
     looks: list[ByKey] = [{} for _ in moments]
     for key in dict.fromkeys(key for moment in moments for key in moment.values):
@@ -123,11 +126,11 @@ def _straight(first: Any, last: Any, share: float) -> Any:
 
 
 def _tracks(scene: Scene, moments: Sequence[Moment], base: ByKey, looks: Sequence[ByKey]) -> list[Track]:
-    """The properties that the looks change, with their values by frame."""
+    """Keyframes for every property that the looks change; `base` and `looks` are the result of `completed`."""
     samples = _samples(moments, looks)
     pivot = Vector(moments[-1].pivot)
     # Each sampled look is written through the bindings, and the properties that this changes are read back. So lights
-    # move on arcs. By data-block, path and name of a property, its values by frame; None is the scene without looks.
+    # move on arcs. (data-block, path, name) of a property -> its values by frame; None is the scene without looks.
     found: dict[tuple[int, str, str], dict[int | None, Any]] = {}
     seen: list[int | None] = []
     with snapshot.undone(scene) as journal:
@@ -156,7 +159,7 @@ def _tracks(scene: Scene, moments: Sequence[Moment], base: ByKey, looks: Sequenc
 
 
 def _samples(moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[tuple[int, ByKey, list[float]]]:
-    """Sampled frames from the first moment to the last, each with all values and the pivot."""
+    """(frame, values by key, pivot) at each moment and at up to 15 frames between two moments, in order."""
     found = [(moments[0].frame, looks[0], moments[0].pivot)]
     for (one, first), (other, last) in pairwise(zip(moments, looks, strict=True)):
         count = min(other.frame - one.frame, 16)  # straight lines between 16 samples are within 1 % of the even steps
@@ -170,7 +173,7 @@ def _samples(moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[tuple[in
 
 
 def _cards(scene: Scene, moments: Sequence[Moment], looks: Sequence[ByKey]) -> list[Track]:
-    """Opacity of each card (`owned.CARD`): 0 at moments where its light is off, so that it shadows no other light."""
+    """Keyframes for the opacity of each card, which shapes one light's shadow: 0 at moments when that light is off."""
     tracks = []
     for card in (o for o in scene.objects if o.get(owned.MARK) == owned.CARD and o.parent):
         keys = [f"light/{card.parent.name}/{name}" for name in ("power", "strength")]
@@ -194,9 +197,9 @@ def _cards(scene: Scene, moments: Sequence[Moment], looks: Sequence[ByKey]) -> l
 
 
 def _curves(owner: bpy_struct, name: str, values: dict[int | None, Any], frames: Sequence[int]) -> list[Track]:
-    """A curve for each component of a property that changes, with keys at the moments and as few between as possible.
+    """Keyframes for each component of a property that changes: at the moments, and as few between them as possible.
 
-    `values` are by frame; the frame None, the scene without looks, is removed. `frames` are those of the moments.
+    `values`: frame -> value; frame None has the value without looks and is removed. `frames`: those of the moments.
     """
     base = values.pop(None)
     by_frame = {frame: value for frame, value in values.items() if frame is not None}
@@ -226,7 +229,10 @@ def _curves(owner: bpy_struct, name: str, values: dict[int | None, Any], frames:
 
 
 def _keep(frames: np.ndarray, values: np.ndarray, one: int, other: int, kept: set[int]) -> None:
-    """Adds the key between keys `one` and `other` that a straight line misses most, then treats both halves."""
+    """Adds to `kept` the index between `one` and `other` that a straight line misses most, then treats both halves.
+
+    Nothing is added if the line misses no value by more than `_TOLERANCE`.
+    """
     if other - one < 2:
         return
     inside = slice(one, other + 1)

@@ -32,7 +32,7 @@ class Pose:
     azimuth: float  # degrees, as the elevation
     elevation: float
     distance: float  # meters
-    residual: Matrix  # its rotation relative to looking straight at the pivot; kept when it moves
+    residual: Matrix  # rotation of the object relative to looking straight at the pivot; kept when the object moves
 
     @classmethod
     def of(cls, obj: Object, pivot: Vector) -> Pose:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The artist's own keyframes of values that a look may change: muted during the search, then shifted by the change."""
+"""The artist's keyframes of values that a look may change: muted during the search, then shifted as the look asks."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from . import bindings, keyframes, scene_context, snapshot
 
 
 def hold(scene: Scene) -> None:
-    """Mutes the curves of all values that only their keyframes lock: the values stay as they are now, and may change.
+    """Mutes the artist's curves of all values that only keyframes lock; each keeps its value at the current frame.
 
-    Values with drivers, NLA strips or curve modifiers, with an action that other data-blocks use, or of a node input that
-    shares its value stay locked.
+    Other values stay locked: those with drivers, NLA strips or curve modifiers, those whose action other data-blocks
+    use, and those of node inputs that share a value.
     """
     context = scene_context.SceneContext(scene, (), Vector(), everything=True)
     with snapshot.transaction(scene) as journal:
@@ -53,13 +53,13 @@ def are_held(scene: Scene) -> bool:
 
 
 def release(scene: Scene) -> None:
-    """Unmutes the curves that `hold` has muted, all keys of each shifted by as much as the look changed its value."""
+    """Unmutes the curves that `hold` has muted; shifts or scales each curve's keys as the look changed its value."""
     if not are_held(scene):
         return
     held = [row for row in snapshot.load(scene).curves("held") if row[2].mute]
     newest = {(entry["id"], entry["path"], held_name(curve)): (entry, block, curve) for entry, block, curve in held}
     for entry, block, curve in newest.values():
-        with suppress(ValueError, AttributeError):  # the artist has removed what it animates
+        with suppress(ValueError, AttributeError):  # the artist has removed the animated property
             was, now = entry["was"], _present(block, curve)
             if not same(was, now):
                 # A factor, or on a linear scale (or from 0) a difference: both keep the form of the curve.

@@ -33,8 +33,8 @@ _PLACES = {
     "top": (0.0, 80.0, 1.0, 0.8),
     "bounce": (0.0, -40.0, 0.8, 0.3),
 }
-"""How an added light starts, by its part: azimuth from the camera and elevation (degrees), size in multiples of its
-distance, and the radiance that it gives to a white surface that faces it."""
+"""Part of an added light -> its first values: azimuth from the camera and elevation (degrees), size in multiples of its
+distance, and the radiance that a white surface has when it faces the light."""
 OURS = {"key": "Vibe Key", "fill": "Vibe Fill", "rim": "Vibe Rim"}
 """Role of a light that a scene lacks -> name of the light that is added for it."""
 _LEAST_LIGHT = 0.1  # radiance above which a white surface at the subject counts as lit
@@ -42,7 +42,10 @@ LIGHT_TYPE = "AREA"  # the type of a light that is added for a role
 
 
 def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> None:
-    """Adds a world, a camera, a light and materials where they are missing; without a subject, for all meshes."""
+    """Adds a missing world, camera, light and materials, recorded in the snapshot; a world of several scenes is copied.
+
+    They are placed for the subject; for all meshes if `subject` is empty.
+    """
     about = list(subject) or scene_context.meshes(scene)
     low, high = scene_context.bounds(scene, about)
     with snapshot.transaction(scene) as journal:
@@ -66,7 +69,7 @@ def prepare_scene(scene: Scene, subject: Sequence[Object] = ()) -> None:
 
 
 def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> None:
-    """Adds a camera that sees the box between two corners."""
+    """Adds a camera that sees the box between corners `low` and `high`, world space; makes it the scene's camera."""
     data = owned.new(journal, "cameras", "Vibe Camera")
     camera = owned.new(journal, "objects", "Vibe Camera", data)
     # The lens angle is that of the image's longer side; all has to fit into the shorter side too.
@@ -80,7 +83,7 @@ def _add_camera(journal: Journal, scene: Scene, low: Vector, high: Vector) -> No
 
 
 def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vector) -> Object:
-    """Adds one of the `ADDED_LIGHTS`, in their collection; `low` and `high` are the corners of the box that it lights."""
+    """Adds the light `name` of `ADDED_LIGHTS` to their collection; it lights the box from corner `low` to `high`."""
     what = schema.added_lights.ADDED_LIGHTS[name]
     azimuth, elevation, size, brightness = _PLACES[what.part]
     data = owned.new(journal, "lights", name, what.type)
@@ -88,7 +91,7 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
     pivot, kind = (low + high) / 2.0, LIGHT_TYPES[what.type]
     front = schema.orbit.angles(scene.camera.matrix_world.translation - pivot)[0] if scene.camera else 0.0
     toward = Vector(schema.orbit.direction(front + azimuth, elevation))
-    # No wall around the subject may block the light: it keeps a fifth of the way away from one.
+    # No wall may block the light: it stands at four fifths of the way from the box's surface to the wall.
     distance, gap = added_light_distance(low, high), 1.01 * (high - low).length / 2.0
     start, graph = pivot + gap * toward, rendered.depsgraph(scene)
     hit, wall, *_ = scene.ray_cast(graph, start, toward, distance=max(distance - gap, 1e-3))
@@ -113,12 +116,12 @@ def add_light(journal: Journal, scene: Scene, name: str, low: Vector, high: Vect
 
 
 def card_size(low: Vector, high: Vector) -> float:
-    """Size of the card of a light with a pattern: half the diagonal of the box that the light is for, meters."""
+    """Size in meters of the card of a light with a pattern: half the diagonal of the box that the light is for."""
     return (high - low).length / 2.0
 
 
 def _add_card(journal: Journal, light: Object, pattern: str, size: float) -> Object:
-    """Adds the card of a light with a pattern: in front of the light, turned with it, seen by shadow rays only."""
+    """Adds the card of a light: a patterned mesh in front of the light, turned with it, seen by shadow rays only."""
     lights = schema.added_lights
     quads = lights.card(pattern, size)
     mesh = owned.new(journal, "meshes", lights.CARD)
@@ -137,7 +140,7 @@ def added_light_distance(low: Vector, high: Vector) -> float:
 
 
 def _is_lit(scene: Scene) -> bool:
-    """True if the world lights the scene."""
+    """True if the world lights the scene: its radiance is above `_LEAST_LIGHT`, or nodes compute it."""
     for layer in backgrounds.layers_of_part(rendered.world(scene), backgrounds.LIGHT):
         color, strength = layer.shader.input("Color"), layer.shader.input("Strength")
         if color and strength:
@@ -161,7 +164,7 @@ def _add_material(journal: Journal, obj: Object) -> None:
 
 
 def _light_of_surfaces(scene: Scene, place: Vector) -> float:
-    """Radiance of a white surface at a place that faces all emitting meshes, unoccluded; stops above `_LEAST_LIGHT`."""
+    """Radiance that emitting meshes give to a white surface at `place`, unoccluded; the sum stops at `_LEAST_LIGHT`."""
     total, of = 0.0, rendered.layer(scene)
     glow = functools.cache(lambda material: layers.emitted_radiance(material) if material else 0.0)
     for thing, _, matrix in rendered.instances(scene):
@@ -183,7 +186,7 @@ def _light_of_surfaces(scene: Scene, place: Vector) -> float:
 
 
 def shared_materials(subject: Sequence[Object]) -> dict[Material, list[Object]]:
-    """The subject's editable materials that objects outside of it use too, in any scene; each with these objects."""
+    """Editable material of the subject -> objects outside the subject, of any scene, that use the material too."""
     inside, theirs = set(subject), {m for obj in subject for m in _materials_of(obj) if m.is_editable}
     users: dict[Material, list[Object]] = {}
     for obj in bpy.data.objects:
@@ -199,7 +202,7 @@ EVERYTHING = frozenset({"subject"})
 
 
 def described_materials(shared: dict[Material, list[Object]], names: frozenset[str]) -> dict[Material, list[Object]]:
-    """The `shared` materials that have one of the names or are on objects with one; all of them for `EVERYTHING`."""
+    """The entries of `shared` whose material is in `names` or on an object in `names`; all entries for `EVERYTHING`."""
     if names >= EVERYTHING:
         return shared
     worn = {m for obj in bpy.data.objects if obj.name in names for m in _materials_of(obj)}
@@ -218,7 +221,7 @@ def separate_materials(scene: Scene, subject: Sequence[Object]) -> None:
 
 
 def add_copies(journal: Journal, scene: Scene, names: Iterable[str]) -> None:
-    """Adds the missing ones of the material copies in `names` (see `schema.material_copies`), on their objects."""
+    """Adds the material copies in `names` ("Paint (on Chair.*)") that the file lacks, and puts each on its objects."""
     known = {material.name_full: material for material in bpy.data.materials}
     for name in sorted({*names} - known.keys()):
         source, who = schema.material_copies.copied(name)
@@ -237,7 +240,7 @@ def _materials_of(obj: Object) -> set[Material]:
 
 
 def _replace_material(journal: Journal, obj: Object, inside: set[Object], old: Material, new: Material) -> None:
-    """Replaces a material in an object's slots, but not in a mesh that objects outside of `inside` use too."""
+    """Replaces a material in an object's slots; a mesh that objects outside `inside` also use keeps its material."""
     for slot in obj.material_slots:
         if slot.material != old:
             continue

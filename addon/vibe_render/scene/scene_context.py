@@ -20,13 +20,13 @@ from .nodes import layers, owned, trails
 
 @dataclass(frozen=True)
 class Owner:
-    """An owner of parameters."""
+    """An owner of parameters: a camera, light, material or world, or the scene for fog and film."""
 
     name: str  # its name in keys; "" for a camera, world, fog or film
     thing: Any  # its data-block
     role: str = ""  # "subject" or "surroundings" for materials; "key", "fill" or "rim" for lights
-    locked: str = ""  # why none of its values may change
-    lengths: dict[str, float] = field(default_factory=dict)  # its own, by the names of the schema's REFERENCES
+    locked: str = ""  # the reason why none of its values may change; "" if they may
+    lengths: dict[str, float] = field(default_factory=dict)  # of a light: see `light_lengths`
 
 
 @dataclass(frozen=True)
@@ -35,16 +35,16 @@ class SceneContext:
 
     scene: Scene
     subject: Sequence[Object]  # the objects that the image is about
-    pivot: Vector  # the center of their bounding box, world space, which cameras and lights orbit
+    pivot: Vector  # the center of the subject's bounding box, world space, which cameras and lights orbit
     everything: bool = False  # whether materials that the camera does not see count too
-    poses: dict[Object, Any] = field(default_factory=dict)  # read ones: the slots of an object share its pose
+    poses: dict[Object, Any] = field(default_factory=dict)  # object -> its `Pose`, which all slots of the object share
 
     def __post_init__(self) -> None:
         rendered.layer(self.scene).update()  # matrices and collections of objects that have changed
 
     @functools.cached_property
     def instanced_lights(self) -> list[tuple[Object, Matrix]]:
-        """See `rendered.instanced_lights`; kept, because a scene may have thousands of instances."""
+        """Result of `rendered.instanced_lights`, cached, because a scene may have thousands of instances."""
         return rendered.instanced_lights(self.scene)
 
     @functools.cached_property
@@ -60,7 +60,7 @@ def meshes(scene: Scene) -> list[Object]:
 
 
 def materials(scene: Scene, subject: Sequence[Object], everything: bool = False) -> dict[Material, str]:
-    """The materials that the camera sees, or `everything`, with their roles: subject or surroundings."""
+    """Material -> role, "subject" or "surroundings", if the camera sees it or it emits light, or with `everything`."""
     chosen, to_clip = set(subject), None if everything else rendered.frustum(scene)
     of = rendered.layer(scene)
     roles: dict[Material, str] = {}
@@ -84,7 +84,7 @@ def materials(scene: Scene, subject: Sequence[Object], everything: bool = False)
 
 
 def bounds(scene: Scene, objects: Iterable[Object]) -> tuple[Vector, Vector]:
-    """World-space corners (least, greatest) of the evaluated objects; a box from -1 to 1 if there are none."""
+    """World-space corners (least, greatest) of the box around evaluated objects; a box from -1 to 1 without objects."""
     graph = rendered.depsgraph(scene)
     evaluated = [obj.evaluated_get(graph) for obj in objects]
     corners = [each.matrix_world @ Vector(corner) for each in evaluated for corner in each.bound_box]
@@ -95,7 +95,7 @@ def bounds(scene: Scene, objects: Iterable[Object]) -> tuple[Vector, Vector]:
 
 
 def scene_lengths(context: SceneContext) -> dict[str, float]:
-    """The scene-wide lengths that the schema's bounds are multiples of (see schema.REFERENCES)."""
+    """Name in `schema.REFERENCES` -> scene-wide length (m or 1/m), of which bounds of parameters are multiples."""
     low, high = bounds(context.scene, context.subject or meshes(context.scene))
     height = max(high.z - low.z, 1e-3)
     camera = context.scene.camera
@@ -106,7 +106,7 @@ def scene_lengths(context: SceneContext) -> dict[str, float]:
 
 
 def owners(context: SceneContext, group: str) -> list[Owner]:
-    """Everything in the scene that has the parameters of a group."""
+    """The owners of a group's parameters in the scene, such as its lights for "light"; empty if there are none."""
     scene = context.scene
     if group == "camera":
         return [Owner("", scene.camera)] if scene.camera and scene.camera.type == "CAMERA" else []
@@ -132,12 +132,12 @@ def owners(context: SceneContext, group: str) -> list[Owner]:
 
 
 def light_lengths(distance: float) -> dict[str, float]:
-    """The lengths of a light, by the names of the schema's REFERENCES."""
+    """Name in `schema.REFERENCES` -> length of a light, here its distance from the pivot (m), and the square (m²)."""
     return {"light_distance": distance, "light_distance_squared": distance * distance}
 
 
 def _light_distances(context: SceneContext) -> dict[Object, float]:
-    """Distances of the lights from the pivot, meters; never 0."""
+    """Light -> distance from the pivot in meters, never 0; for instanced lights, from the nearest instance."""
     own = rendered.lights(context.scene)
     distances = {light: max((light.matrix_world.translation - context.pivot).length, 1e-3) for light in own}
     # After the scene's own lights come those that only instances show: one for each data-block, at its nearest instance.
@@ -152,7 +152,7 @@ def _light_distances(context: SceneContext) -> dict[Object, float]:
 
 
 def light_roles(context: SceneContext) -> dict[Object, str]:
-    """Roles of the lights: "rim" from behind the subject, the brightest other one "key", the rest "fill"."""
+    """Light -> role: "rim" if it shines from behind the subject, "key" for the brightest other one, else "fill"."""
     distances = _light_distances(context)
     rims = {o for o in rendered.lights(context.scene) if _from_behind(o, context)}
     front = [o for o in distances if o not in rims] or [*distances]

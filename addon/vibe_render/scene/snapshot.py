@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Snapshot: a scene's values before a vibe, kept inside the .blend so that Revert works after reopening.
 
-Only what was touched is kept: a journal (see `core/journal.py`) in a custom property of the scene.
+It keeps only values that were changed: a journal (see `core/journal.py`) in a custom property of the scene.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def take(scene: Scene) -> None:
 
 
 def exists(scene: Scene) -> bool:
-    """True if there is something to revert to."""
+    """True if the scene has a snapshot."""
     return KEY in scene
 
 
@@ -39,7 +39,7 @@ def forget(scene: Scene) -> None:
 
 
 def revert(scene: Scene) -> list[str]:
-    """Restores all values changed since `take` and removes the snapshot; returns what could not be restored, in words."""
+    """Restores all values changed since `take`, removes the snapshot; returns, in words, what could not be restored."""
     journal = load(scene)
     lost = keyframes.take_away(scene)
     forget(scene)  # first: the property counts as a user of the blocks to remove
@@ -55,7 +55,7 @@ def mark(scene: Scene) -> int | None:
 
 
 def rollback(scene: Scene, first: int | None) -> None:
-    """Undoes everything recorded since `mark` returned `first`; if that is None, removes the snapshot, too."""
+    """Undoes everything recorded since `mark` returned `first`; if `first` is None, removes the snapshot, too."""
     if not exists(scene):
         return
     journal = load(scene)
@@ -80,7 +80,7 @@ def rollback_on_failure(scene: Scene) -> Iterator[None]:
 
 @contextmanager
 def transaction(scene: Scene) -> Iterator[Journal]:
-    """A journal for changes inside the block: kept in the snapshot, or undone after an exception."""
+    """Yields a journal for changes in the block: they join the snapshot, or are undone if the block raises."""
     whole = load(scene) if exists(scene) else Journal()  # first: a damaged one raises before any change
     journal, keyed = Journal(), keyframes.set_aside(scene)  # the keyframes would override the changes
     try:
@@ -97,7 +97,7 @@ def transaction(scene: Scene) -> Iterator[Journal]:
 
 @contextmanager
 def undone(scene: Scene) -> Iterator[Journal]:
-    """A journal for changes that are undone at the end of the block."""
+    """Yields a journal for changes that are undone at the end of the block."""
     journal = Journal()
     try:
         yield journal

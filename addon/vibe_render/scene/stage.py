@@ -21,8 +21,8 @@ from .orbits import orbit_matrix
 
 Point = Sequence[float] | np.ndarray
 DEMO_SUBJECT = "Suzanne"  # the object that the demo's prompts are about
-_DEMO_VIEW = (24.0, 9.0)
-_CAMERA = (32.0, 12.0)  # azimuth and elevation, degrees
+_DEMO_VIEW = (24.0, 9.0)  # azimuth and elevation of the demo's camera, degrees
+_CAMERA = (32.0, 12.0)  # azimuth and elevation of a stage's camera, degrees
 _WALL = 8.0  # distance of the backdrop, in radii of the subject
 
 
@@ -55,7 +55,7 @@ def area_light(
     pivot: Point,
     color: Color = (1.0, 1.0, 1.0),
 ) -> Object:
-    """A square area light aimed at the pivot: angles (azimuth, elevation) in degrees, distance and size in meters.
+    """Adds a square area light aimed at the pivot: angles (azimuth, elevation) in degrees, distance and size in meters.
 
     `radiance` is that of a white diffuse surface at the pivot that faces the light.
     """
@@ -74,7 +74,8 @@ def framing_camera(
     """Adds a camera that sees all points (N, 3), world space, and makes it the scene's camera.
 
     It looks at the pivot, by default the center of the points' bounding box, from angles (azimuth, elevation), degrees.
-    `fov` is its field of view along the longer side, degrees. The points reach to `fill` of the way to the border.
+    `fov` is its field of view along the longer side, degrees. `fill` is the share, 0 to 1, of the way from the image's
+    center to its border that the points reach.
     """
     middle = np.asarray(pivot if pivot is not None else (points.min(0) + points.max(0)) / 2)
     x, y, z = ((points - middle) @ np.array(schema.orbit.frame(*angles))).T
@@ -93,7 +94,7 @@ def framing_camera(
 
 
 def mesh_object(scene: Scene, name: str, vertices: np.ndarray, faces: list, stuff: Material) -> Object:
-    """Adds a smooth-shaded mesh with one material; vertices (V, 3), faces as lists of vertex indices."""
+    """Adds a smooth-shaded mesh with the material `stuff`; vertices (V, 3), faces as lists of vertex indices."""
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(vertices.tolist(), [], faces)
     mesh.shade_smooth()
@@ -104,13 +105,13 @@ def mesh_object(scene: Scene, name: str, vertices: np.ndarray, faces: list, stuf
 
 
 def floor(scene: Scene, half_size: float, stuff: Material) -> Object:
-    """Adds a square floor at height 0, centered at the origin."""
+    """Adds a square floor at height 0, centered at the origin; `half_size` is half its side, meters."""
     corners = half_size * np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], float)
     return mesh_object(scene, "Stage", corners, [(0, 1, 2, 3)], stuff)
 
 
 def cyclorama(scene: Scene, radius: float, height: float, azimuth: float, stuff: Material) -> Object:
-    """Adds a round floor that curves up into a wall, without a visible edge; open around an azimuth, degrees."""
+    """Adds a round floor that curves up into a wall, but not within 60° of `azimuth` (degrees): the camera is there."""
     turn = np.linspace(0, math.pi / 2, 17)
     bend = 0.5 * radius
     start = np.linspace(0.01 * radius, radius - bend, 5)
@@ -153,7 +154,7 @@ def build_demo() -> Scene:
 
 
 def _empty_scene() -> Scene:
-    """The scene of a new, empty file; a square image."""
+    """Opens a new, empty file; returns its scene, with a square image of 1024 pixels."""
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True, load_ui=False)
     scene = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = 1024
@@ -208,10 +209,10 @@ def _shade(thing: Object) -> None:
 
 
 def build_stage(path: str | Path, kind: str = "cyclorama") -> Scene:
-    """Starts an empty file and stages the mesh in it; the subject's objects are left selected.
+    """Starts an empty file, imports a mesh file and adds camera, lights and a backdrop of a kind (`options.STAGES`).
 
-    The mesh is moved to stand on height 0, and scaled until half the diagonal of its bounding box is 1 m. Raises
-    VibeError for an unknown kind, or a file that is missing, broken or without any mesh.
+    The mesh is moved to stand on height 0, and scaled until half the diagonal of its bounding box is 1 m. It is left
+    selected. Raises VibeError for an unknown kind, or a file that is missing, broken or without any mesh.
     """
     if kind not in options.STAGES:
         raise schema.VibeError(f"There is no stage {kind!r}.", f"Use one of: {', '.join(options.STAGES)}.")
@@ -271,7 +272,7 @@ def _import_meshes(path: Path) -> list[Object]:
 
 
 def _normalize(meshes: list[Object], path: Path) -> np.ndarray:
-    """Moves and scales the imported objects onto the stage; returns their vertices (V, 3)."""
+    """Moves and scales the imported objects as in `build_stage`; returns their vertices (V, 3), world space."""
     bpy.context.view_layer.update()
     points = np.concatenate([_vertices(o) for o in meshes])
     low, high = points.min(0), points.max(0)
@@ -287,7 +288,7 @@ def _normalize(meshes: list[Object], path: Path) -> np.ndarray:
 
 
 def _vertices(thing: Object) -> np.ndarray:
-    """An object's evaluated vertices (V, 3), world space: a skeleton may move them far from their place in the file."""
+    """An object's evaluated vertices (V, 3), world space; evaluated, because an armature may move them far."""
     posed = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
     vertices = array(posed.data.vertices, "co", (len(posed.data.vertices), 3), np.float32)
     matrix = np.array(posed.matrix_world)

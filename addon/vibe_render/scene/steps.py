@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The steps of a look: a first prompt and further sentences, kept in the .blend with the values that each has changed.
 
-Any step may be switched off or removed: the scene then follows from the other steps, without another search.
+Any step may be switched off or removed: the values then follow from the other steps, without another search.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ LIGHT_MIX = "light mix"
 WORDLESS = (BY_HAND, LIGHT_MIX)
 """The sentences of steps that the artist has made without words."""
 _OWNED = ("material", "light")
-Known = Mapping[str, Sequence[float]]
+Known = Mapping[str, Sequence[float]]  # key of a parameter -> its components
 
 
 @dataclass
@@ -33,21 +33,21 @@ class LookStep:
 
     sentence: str
     before: dict[str, list[float]]
-    after: dict[str, list[float]]
+    after: dict[str, list[float]]  # same keys as `before`
     reasons: dict[str, str] = field(default_factory=dict)
-    goals: dict[str, Any] = field(default_factory=dict)  # what its words wish for; empty for none
+    goals: dict[str, Any] = field(default_factory=dict)  # the requests of its words, as in goals.json; empty for none
     on: bool = True
 
     @property
     def is_relative(self) -> bool:
-        """True if all of the step's words compare ("warmer"): its change then applies to whatever value is there before."""
+        """True if all of the step's words compare ("warmer"): its change then adds to the values of earlier steps."""
         words = self.goals.get("words", [])
         return bool(words and self.goals.get("holds")) and not any(word.get("look") for word in words)
 
     def keys_of(self, noun: str, by_word: bool = True) -> dict[str, list[str]]:
-        """The words that describe something called `noun`, each with the keys that it has changed.
+        """Word of the step -> keys that the word has changed, for words whose target is called `noun`.
 
-        With `by_word`, also the words that are called so themselves.
+        With `by_word`, also for words that are `noun` themselves, or whose look is called so.
         """
         wanted, found = set(noun.lower().split()), {}
         for word in self.goals.get("words", ()):
@@ -82,14 +82,14 @@ class Change:
 class Steps:
     """All steps of a scene."""
 
-    base: dict[str, list[float]] = field(default_factory=dict)  # each value before a step first changes it
+    base: dict[str, list[float]] = field(default_factory=dict)  # key -> value before any step has changed it
     steps: list[LookStep] = field(default_factory=list)
     shown: int = 0  # how many of the steps the scene shows, from the first
     pivot: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])  # the subject's center at export
 
     @classmethod
     def of(cls, scene: Scene) -> Steps:
-        """The steps of a scene; none where it has no vibe. Raises VibeError if they cannot be read."""
+        """The steps that are stored in a scene; empty without any. Raises VibeError if they cannot be read."""
         if KEY not in scene:
             return cls()
         try:
@@ -106,11 +106,11 @@ class Steps:
             raise schema.VibeError("The list of steps in this file is damaged.", remedy) from error
 
     def store(self, scene: Scene) -> None:
-        """Keeps the steps in the scene."""
+        """Stores the steps in a custom property of the scene."""
         scene[KEY] = json.dumps({"version": VERSION, **asdict(self)}, ensure_ascii=False)
 
     def values(self, shown: int | None = None) -> dict[str, list[float]]:
-        """The values of all keys that steps change, after the first `shown` steps; by default those that the scene shows."""
+        """Key -> value after the first `shown` steps (default: `self.shown`), for every key that any step changes."""
         found = {key: list(value) for key, value in self.base.items()}
         for step in self.steps[: self.shown if shown is None else shown]:
             for key, after in step.after.items() if step.on else ():
@@ -120,7 +120,7 @@ class Steps:
         return found
 
     def take_hand_made(self, current: Known) -> None:
-        """Adds a step of the values that the artist has changed by hand since the last step."""
+        """Adds a step with the artist's own changes: values in `current` that differ from those of the shown steps."""
         expected = self.values()
         mine = {k: v for k, v in expected.items() if k in current and not same(k, v, current[k])}
         if mine:
@@ -137,9 +137,11 @@ class Steps:
         """Adds a step after the shown ones or replaces a step; if the change only shows other steps, sets `shown`.
 
         Args:
-            before: The scene's values when the search began, without those of lights and copies that it has added.
+            change: The result of `change` or `again`.
+            before: The scene's values when the search began, without lights and copies that the search has added.
             after: The values that the search has changed.
-            reasons: Why a value has changed, by key; each reason quotes the words.
+            reasons: Key -> why the value has changed; each reason quotes the words.
+            goals: The requests of the sentence's words, see `LookStep`.
         """
         if change.shown is not None:
             self.shown = change.shown
@@ -157,7 +159,7 @@ class Steps:
             self.steps[change.place] = step
 
     def rows(self) -> list[dict[str, Any]]:
-        """The steps as report.json has them."""
+        """A dictionary for each step, as in report.json."""
         return [
             {"sentence": s.sentence, "on": s.on, "shown": n < self.shown, "values": s.after, "goals": s.goals}
             for n, s in enumerate(self.steps)
@@ -169,7 +171,7 @@ class Steps:
         self.shown += 1
 
     def change(self, sentence: str) -> Change:
-        """The change that a sentence asks for; raises VibeError if it is empty or names a step that does not exist."""
+        """The change that a sentence asks for; raises VibeError for an empty one, or for a step that does not exist."""
         if not sentence.strip():
             raise schema.VibeError("The step is empty.", 'Say what is to change: "a bit warmer".')
         said, title = sentences.about_steps(sentence), " ".join(sentence.split())
@@ -198,11 +200,14 @@ class Steps:
         return self._taken_back(title, said)
 
     def again(self, place: int, sentence: str) -> Change:
-        """The change that replaces a step by a search for another sentence."""
+        """The change that replaces the step at index `place` by the result of a search for another sentence."""
         return Change(self, self.values(place), sentence, sentence, place=place, first=place == 0)
 
     def _taken_back(self, title: str, said: sentences.AboutSteps) -> Change:
-        """The change that takes back what a word has changed, and searches the word for another target, if one is named."""
+        """The change that restores the values that the words about `said.what` have changed.
+
+        If `said.new` names another target, the words are searched for it. If no step has them, `title` is searched.
+        """
         for number, step in reversed([*enumerate(self.steps[: self.shown])]):
             if step.on and (words := step.keys_of(said.what, by_word=said.kind == "without")):
                 before = self.values(number)
@@ -219,7 +224,7 @@ class Steps:
         return places[-1]
 
     def _mixed(self, first: Known, other: Known, share: float) -> dict[str, list[float]]:
-        """The values that differ, moved from `first` by a share of the way to `other`; above 1, beyond it."""
+        """Key -> value at a share of the way from `first` to `other` (above 1: beyond), where the two differ."""
         return {
             key: along(key, first[key], (first[key], other[key]), share)
             for key in first
@@ -235,19 +240,22 @@ def same(key: str, first: Sequence[float], other: Sequence[float]) -> bool:
 
 
 def check_values(values: Known) -> None:
-    """Raises ValueError for values, by key, that no parameter can have."""
+    """Raises ValueError for a wrong number of components, NaN or infinity; KeyError for the key of no parameter."""
     for key, value in values.items():
         if len(value) != labels.parameter(key).components or not all(map(math.isfinite, value)):
             raise ValueError(key)
 
 
 def origins(key: str) -> tuple[str, ...]:
-    """A key and those that its value may start from: for a material's copy the original's, for a backdrop the world's."""
+    """A key and the keys that its value may start from: the original's for a copy, the world's for a backdrop."""
     return key, schema.material_copies.copied_key(key), backgrounds.WORLD_OF_BACKDROP.get(key, key)
 
 
 def old_value(key: str, before: Known, new: Sequence[float]) -> Sequence[float]:
-    """The value that a change replaces: 0 for the power of a new light and for a new link, the world's for a new backdrop."""
+    """The value that `new` replaces: the one in `before` for the key or one of its `origins`, else a neutral value.
+
+    Neutral is 0 for a light's power and a link, no tint for a horizon, and `new` itself for all others.
+    """
     known = next((before[origin] for origin in origins(key) if origin in before), None)
     if known:
         return known
@@ -259,9 +267,9 @@ def old_value(key: str, before: Known, new: Sequence[float]) -> Sequence[float]:
 def along(
     key: str, start: Sequence[float], way: tuple[Sequence[float], Sequence[float]], share: float = 1.0
 ) -> list[float]:
-    """The value `start`, moved by a share of the way between two others, measured on the parameter's perceptual scale.
+    """The value `start`, moved by a share of the `way` from one value to another, on the parameter's perceptual scale.
 
-    If `start` is the beginning of the way, the result is exact for shares of 0 and 1.
+    If `start` is the first value of the way, the result is exact for shares of 0 and 1.
     """
     first, last = way
     if list(start) == list(first) and share in (0.0, 1.0):

@@ -25,14 +25,17 @@ class SubjectChoice:
 
     @property
     def explicit(self) -> bool:
-        """True if the artist has chosen."""
+        """True if the artist has chosen a subject."""
         return self.selected or bool(self.objects)
 
 
 def choose_subject(
     scene: Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces, choice: SubjectChoice
 ) -> np.ndarray:
-    """(N,) bool: the objects of the geometry that are the subject, at least one; raises VibeError for a wrong choice."""
+    """(N,) bool: True for the objects of the geometry that are the subject, at least one.
+
+    Raises VibeError for an unknown name, or if the choice has no rendered mesh.
+    """
     names = {o.name_full for o in named_objects(scene, choice)}
     chosen = np.array([name in names or parent in names for name, parent in geometry.objects])
     if chosen.any():
@@ -43,7 +46,10 @@ def choose_subject(
 
 
 def named_objects(scene: Scene, choice: SubjectChoice) -> list[Object]:
-    """The chosen or stored objects with their children; empty without a choice. Raises VibeError for an unknown name."""
+    """The chosen objects with their children; without a choice, those of the stored subject, if any.
+
+    Raises VibeError for an unknown name, or if the selection is chosen and nothing is selected or stored.
+    """
     chosen: list[Object] = []
     for name in choice.objects:
         collection = next((c for c in scene.collection.children_recursive if c.name == name), None)
@@ -61,7 +67,7 @@ def named_objects(scene: Scene, choice: SubjectChoice) -> list[Object]:
 
 
 def automatic_subject(scene: Scene, geometry: SceneGeometry, surfaces: VisibleSurfaces) -> np.ndarray:
-    """The prominent objects in view, without their grounds and backdrops: (number of objects,) bool."""
+    """(N,) bool: True for objects of the geometry that are prominent in view, without grounds and backdrops."""
     count = len(geometry.objects)
     seen = surfaces.object >= 0
     # The middle of the image counts most: the weights of the rays are (R, R).
@@ -90,9 +96,9 @@ def automatic_subject(scene: Scene, geometry: SceneGeometry, surfaces: VisibleSu
 
 
 def _grounds(boxes: np.ndarray, borders: np.ndarray) -> np.ndarray:
-    """Which of N objects are grounds, (N,) bool: thin ones at the image's border, and flat ones that carry a smaller one.
+    """(N,) bool: True for grounds: thin objects at the image's border, and flat objects that carry a smaller object.
 
-    `boxes` (N, 2, 3) are bounding boxes, `borders` (N,) how many sides of the image each object reaches.
+    `boxes` (N, 2, 3) are bounding boxes; `borders` (N,) are the numbers of image sides that the objects reach.
     """
     size = boxes[:, 1] - boxes[:, 0]
     widest = np.maximum(size.max(1), 1e-9)
@@ -107,13 +113,13 @@ def _grounds(boxes: np.ndarray, borders: np.ndarray) -> np.ndarray:
 
 
 def _thin(boxes: np.ndarray) -> np.ndarray:
-    """(N,) bool: objects with one short side, below 2 % of the longest: cloths, leaves and planes."""
+    """(N,) bool: True for objects whose shortest side is below 2 % of the longest: cloths, leaves, planes."""
     size = boxes[:, 1] - boxes[:, 0]
     return size.min(1) < 0.02 * np.maximum(size.max(1), 1e-9)
 
 
 def remember_subject(scene: Scene, subject: Iterable[Object], choice: SubjectChoice) -> None:
-    """Stores a subject, if the artist has chosen it."""
+    """Stores the names of a subject's objects in the scene if the artist has chosen them; else does nothing."""
     if choice.explicit:
         scene[SUBJECT_KEY] = json.dumps([thing.name_full for thing in subject])
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads the meshes that a final render shows, or their bounding boxes; 'triangles' assembles meshes without Blender."""
+"""Reads the meshes that a final render shows, or their bounding boxes, for `assembled` in `triangles`."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ _SKIPPED = {"CURVES": "hair", "VOLUME": "a volume object", "POINTCLOUD": "a poin
 _SIDES = ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (3, 2, 6, 7), (0, 3, 7, 4), (1, 5, 6, 2))
 """Corners of the sides of a box as Blender numbers them, counter-clockwise seen from outside."""
 _CORNERS = np.array([(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 1, 1), (1, 1, 0)])
-"""The corners of a unit box, in the same order."""
+"""The corners of a unit box, in Blender's order."""
 _NORMALS = np.array([(-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1)], np.float32)
-"""The normals of the sides."""
+"""The outward normals of `_SIDES`."""
 
 
 def collect_meshes(depsgraph: Depsgraph, uv_of: UvLookup) -> tuple[list[PlacedMesh], list[str]]:
-    """The evaluated meshes that a final render's dependency graph shows, and notes about what could not be read."""
+    """(meshes in a final render's dependency graph, notes for artists on objects that the prediction cannot show)."""
     meshes: dict[tuple, SourceMesh] = {}
     # Thousands of instances share an object and its mesh: their content is read once.
     known: dict[tuple[int, int], PlacedMesh] = {}
@@ -66,7 +66,7 @@ def _names(slots: list[Material | None]) -> tuple[str, ...]:
 
 
 def _read_mesh(mesh: Mesh, slots: list[Material | None], uv_of: UvLookup) -> SourceMesh:
-    """Copies a mesh. Attributes are read as blocks of memory, a hundred times faster than item by item."""
+    """Copies a mesh with its material slots; reads attributes as blocks, a hundred times faster than item by item."""
     mesh.calc_loop_triangles()
     count, corners = len(mesh.loop_triangles), len(mesh.loops)
     polygon = array(mesh.loop_triangle_polygons, "value", (count,), np.int32)
@@ -92,13 +92,13 @@ def _read_mesh(mesh: Mesh, slots: list[Material | None], uv_of: UvLookup) -> Sou
 
 
 def attribute(mesh: Mesh, name: str, items: Any, same: str) -> np.ndarray:
-    """An integer attribute of each item; the items' own property where the mesh has no attribute of that name."""
+    """Integers (N,) of N items: the mesh's attribute `name`; without it, the items' own property `same`."""
     layer = mesh.attributes.get(name)
     return array(layer.data if layer else items, "value" if layer else same, (len(items),), np.int32)
 
 
 def array(collection, attribute: str, shape: tuple[int, ...], kind: type) -> np.ndarray:
-    """An attribute of all items of a collection of Blender's; zeros where the collection is empty."""
+    """An attribute of all items of a Blender collection, as an array of this shape and type; zeros if it is empty."""
     flat: np.ndarray = np.zeros(int(np.prod(shape)), kind)
     if len(collection):  # some files name a layer, and have lost what was in it
         collection.foreach_get(attribute, flat)
@@ -106,7 +106,7 @@ def array(collection, attribute: str, shape: tuple[int, ...], kind: type) -> np.
 
 
 def box_geometry(scene: Scene, shown: Collection[Object], camera: RayCamera) -> SceneGeometry:
-    """The sides of bounding boxes of `shown` objects that face away from a camera: they hide nothing in or before a box."""
+    """Triangles of the `shown` objects' bounding boxes, without sides that face the camera and would hide objects."""
     of = rendered.layer(scene)
     known: dict[tuple[int, int], PlacedMesh] = {}
     placed: list[PlacedMesh] = []
@@ -131,7 +131,10 @@ def box_geometry(scene: Scene, shown: Collection[Object], camera: RayCamera) -> 
 
 
 def _box_mesh(thing: Object, slots: list[Material | None]) -> SourceMesh:
-    """The box of an object, cut along its longest side for S material slots, by their shares of the faces."""
+    """An object's bounding box as a mesh; for several material slots, divided by their shares of the faces.
+
+    The parts follow each other along the longest side of the box.
+    """
     index = thing.data.attributes.get("material_index") if len(slots) > 1 else None
     faces = array(index.data, "value", (len(index.data),), np.int32) if index else np.zeros(1, np.int32)
     ratios = np.bincount(np.clip(faces, 0, len(slots) - 1), minlength=len(slots)) / max(len(faces), 1)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Triangles in world space: assembled from meshes, and seen by a camera through a coarse grid of rays.
 
-A thread may use all of it but `ray_camera`, which reads Blender's data.
+All but `ray_camera`, which reads Blender's data, may run in a thread.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ _SLACK = 1e-3  # in steps between rays: how far rounding may move a corner
 
 @dataclass(frozen=True)
 class SourceMesh:
-    """One mesh as Blender holds it, in its own space."""
+    """One mesh as Blender stores it, in object space."""
 
     vertices: np.ndarray  # (V, 3) float32
     corners: np.ndarray  # (C,) int32, the vertex of each corner
     normals: np.ndarray  # (C, 3) float32, one per corner; custom normals are honored
-    triangles: np.ndarray  # (F, 3) int32, corners
-    slot: np.ndarray  # (F,) int32, the number of the material slot
+    triangles: np.ndarray  # (F, 3) int32, indices of corners
+    slot: np.ndarray  # (F,) int32, index of the material slot
     solid: np.ndarray  # (S,) bool, which slots show a surface
     # for each slot the UVs that its texture reads, (C, 2) float32, and a 3x3 matrix for them; empty without a UV map
     uvs: list[tuple[np.ndarray, np.ndarray]]
@@ -50,11 +50,11 @@ class SceneGeometry:
     """All triangles of a scene."""
 
     vertices: np.ndarray  # (V, 3) float32, world space
-    faces: np.ndarray  # (F, 3) int32
+    faces: np.ndarray  # (F, 3) int32, indices of vertices
     normals: np.ndarray  # (F, 3, 3) float32, one per corner; custom normals are honored
     uvs: np.ndarray  # (F, 3, 2) float32; zeros without a UV map
-    material: np.ndarray  # (F,) int32, number in `materials`
-    object: np.ndarray  # (F,) int32, number in `objects`
+    material: np.ndarray  # (F,) int32, index into `materials`
+    object: np.ndarray  # (F,) int32, index into `objects`
     materials: list[str]  # names; "" for faces without a material
     objects: list[tuple[str, str]]  # name, and name of the object that instances it ("" for none)
     boxes: np.ndarray  # (N, 2, 3), the least and the greatest corner of each object
@@ -68,7 +68,7 @@ class SceneGeometry:
 
 
 def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
-    """The triangles of all placed meshes in world space, without those of slots that show no surface; adds to the warnings."""
+    """World-space triangles of all placed meshes, without slots that show no surface; has `warnings` and new ones."""
     copies: dict[int, list[int]] = {}
     for number, thing in enumerate(things):
         copies.setdefault(id(thing.mesh), []).append(number)
@@ -110,7 +110,7 @@ def assembled(things: list[PlacedMesh], warnings: list[str]) -> SceneGeometry:
 
 @dataclass
 class _Piece:
-    """A placed mesh: arrays as in `SceneGeometry`, but `faces` count from its own vertices."""
+    """A placed mesh: arrays as in `SceneGeometry`, but `faces` are indices into this mesh's own `vertices`."""
 
     vertices: np.ndarray
     faces: np.ndarray
@@ -122,7 +122,7 @@ class _Piece:
 
 
 def _pieces(copies: list[PlacedMesh]) -> Iterator[_Piece]:
-    """The placed copies of one mesh. Many are transformed at once, because a tree may have thousands of leaves."""
+    """Yields a piece for each placed copy of one mesh; transforms many copies, such as a tree's leaves, at once."""
     mesh = copies[0].mesh
     solid = mesh.solid[mesh.slot]
     corners, slot = mesh.triangles[solid], mesh.slot[solid]
@@ -199,18 +199,18 @@ class VisibleSurfaces:
     """The surface that each of R x R rays meets (R = `RAYS`); row 0 is the bottom of the image."""
 
     object: np.ndarray  # (R, R) int, index into the geometry's objects, -1 for none
-    material: np.ndarray  # (R, R) int, index into its materials, -1 for none
+    material: np.ndarray  # (R, R) int, index into the geometry's materials, -1 for none
 
 
 def ray_camera(scene: Scene) -> RayCamera:
-    """The scene's camera, copied."""
+    """The values of the scene's camera, for use in a thread."""
     lens, pose = scene.camera.data, np.array(scene.camera.matrix_world.normalized())
     frame = np.array(lens.view_frame(scene=scene))
     return RayCamera(frame, pose, lens.type == "ORTHO", (lens.clip_start, lens.clip_end))
 
 
 def visible_surfaces(camera: RayCamera, geometry: SceneGeometry) -> VisibleSurfaces:
-    """Casts the camera's rays at triangles; does not read Blender's data. All -1 for an empty geometry."""
+    """The surfaces that the camera's rays meet first; all -1 for an empty geometry. Does not read Blender's data."""
     hits = np.full((RAYS, RAYS), -1)
     if len(geometry.faces):
         # A fine mesh lies mostly between the rays: leaving out triangles that no ray may meet makes a small tree.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Background nodes of a world: those that light the scene (the part "light") and those only seen ("backdrop")."""
+"""Background nodes of a world, in two parts: "light" lights the scene, "backdrop" is only seen by the camera."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ WORLD_OF_BACKDROP = {f"world/backdrop_{name}": f"world/{name}" for name in ("col
     HORIZON_KEY: ""
 }
 """Parameter of a backdrop -> the world's parameter that it starts from; "" for the horizon, which starts untinted."""
-NO_HORIZON = (1.0, 1.0, 1.0)
+NO_HORIZON = (1.0, 1.0, 1.0)  # the tint at the horizon that changes nothing
 
 
 def has_backdrop(world: World | None) -> bool:
-    """True if Mix Shaders by Is Camera Ray show the camera other Backgrounds than those that light the scene."""
+    """True if a Mix Shader by Is Camera Ray shows the camera other Backgrounds than those that light the scene."""
     return bool(layers_of_part(world, BACKDROP))
 
 
 def mixed_backgrounds(world: World | None, part: str = LIGHT) -> list[Layer]:
-    """The Backgrounds that are mixed into a part (LIGHT or BACKDROP) of a world; none for a single, plain Background.
+    """The Backgrounds that are mixed into a part (LIGHT or BACKDROP) of a world; empty for a single, plain Background.
 
     A single Background counts as a mix if nodes compute its strength, if its color depends on the kind of ray, or if it
     has a share in a Mix Shader.
@@ -50,20 +50,20 @@ def mixed_backgrounds(world: World | None, part: str = LIGHT) -> list[Layer]:
 
 
 def single_background(world: World | None, part: str = LIGHT) -> NodeInGroups | None:
-    """The only Background of a part of a world; None where it is mixed, or where there is none."""
+    """The only Background of a part (LIGHT or BACKDROP) of a world; None if several are mixed, or if there is none."""
     found = [] if mixed_backgrounds(world, part) else layers_of_part(world, part)
     return next((layer.shader for layer in found if layer.kind == BACKGROUND), None)
 
 
 def mixed_entries(world: World, part: str, name: str) -> list[NodeEntry]:
-    """An input of each of a part's mixed Backgrounds, one for each origin of the values."""
+    """Input `name` of each mixed Background of a world's part; of inputs that get the same value, only the first."""
     layers = mixed_backgrounds(world, part)
     alike = tuple(s for layer in layers if (s := layer.shader.input(name)))
     return trails.distinct(layer.shader.entry(name, alike) for layer in layers)
 
 
 def layers_of_part(world: World | None, part: str) -> list[Layer]:
-    """All shaders of a part of a world's surface; without a backdrop of its own, everything is LIGHT."""
+    """The shaders of a part (LIGHT or BACKDROP) of a world's surface; without a separate backdrop, all are LIGHT."""
     output = compat.output_node(world)
     layers = list(behind(output.inputs["Surface"])) if output else []
     # True for a Background for camera rays alone, False for all other rays, None for both
@@ -80,14 +80,14 @@ def _weighs(side: MixSide) -> bool:
 
 
 def environment(world: World) -> NodeInGroups | None:
-    """The environment texture of a world with a single Background; None without one."""
+    """The environment texture of a world with a single Background; None without such a texture."""
     background = single_background(world)
     color = background.entry("Color") if background else None
     return search(color, "ShaderNodeTexEnvironment") if color else None
 
 
 def is_only_turned(world: World) -> bool:
-    """True if a world looks its environment texture up in all directions as they are, or turned around the vertical axis."""
+    """True if a world's environment texture is mapped unchanged, or only turned around Z; also without a texture."""
     texture = environment(world)
     ways = _ways(texture) if texture else []
     if len(ways) != 1 or ways[0].node.bl_idname != "ShaderNodeMapping":
@@ -99,7 +99,7 @@ def is_only_turned(world: World) -> bool:
 
 
 def _ways(texture: NodeInGroups) -> list[NodeInGroups]:
-    """The nodes that make a texture's direction, from the texture back; without a Texture Coordinate at its start."""
+    """The nodes that compute a texture's direction, from the texture backwards; without a Texture Coordinate node."""
     found: list[NodeInGroups] = []
     socket, inside = texture.node.inputs["Vector"], texture.inside
     while before := trails.source_output(socket, inside):
@@ -114,7 +114,7 @@ def _ways(texture: NodeInGroups) -> list[NodeInGroups]:
 
 
 def rotation_slot(world: World) -> ValueSlot | None:
-    """The slot that turns a world's environment texture: of the first Mapping node before it, or of one that writing adds.
+    """The slot that turns a world's environment texture, radians: of its Mapping node, or of one that writing adds.
 
     None if the world has no such texture.
     """
@@ -123,13 +123,13 @@ def rotation_slot(world: World) -> ValueSlot | None:
         return None
 
     def first() -> NodeInGroups:
-        """The Mapping node at which the direction begins, or the texture without one."""
+        """The Mapping node that is farthest from the texture; without a Mapping node, the texture."""
         now = environment(world)
         assert now
         return [now, *(way for way in _ways(now) if way.node.bl_idname == "ShaderNodeMapping")][-1]
 
     def entry() -> NodeEntry | None:
-        """The input with a Mapping's turn: its Rotation, or the Z of the Combine XYZ that makes it; None if it is computed."""
+        """The Mapping's Rotation input, or Z of a Combine XYZ that feeds it; None if there is none, or if computed."""
         if first().node.bl_idname != "ShaderNodeMapping":
             return None
         turn = NodeEntry(first().node.inputs["Rotation"], first().inside)
@@ -172,7 +172,7 @@ def rotation_slot(world: World) -> ValueSlot | None:
 
 
 def horizon_height(scene: Scene, world: World | None) -> float:
-    """Height of a world's horizon in the image: 0 at the bottom, 1 at the top, less than 0 below it."""
+    """Height of a world's horizon in the image: 0 at the bottom, 1 at the top, less than 0 below the image."""
     seen = single_background(world, BACKDROP)
     color = seen.entry("Color") if seen else None
     if made := HORIZON.of(resolve(color).source) if color else None:
@@ -191,7 +191,7 @@ def horizon_height(scene: Scene, world: World | None) -> float:
 
 
 def _add_backdrop(journal: Journal, world: World) -> None:
-    """Adds a Background for camera rays alone, which equals the one that lights, without the insets in front of it."""
+    """Adds a Background for camera rays alone, with the artist's values of the Background that lights the scene."""
     single, tree, output = single_background(world), compat.node_tree(world), compat.output_node(world)
     assert single
     assert tree
@@ -222,7 +222,7 @@ def _add_backdrop(journal: Journal, world: World) -> None:
 
 
 def offered_backdrop(world: World | None, instances: Mapping[str, schema.Instance]) -> dict[str, schema.Instance]:
-    """The parameters that a backdrop would have; none where the world cannot have one, or is partly locked."""
+    """Key -> parameter instance that a new backdrop would have; empty if the world cannot have one, or is locked."""
     output, single = compat.output_node(world), single_background(world)
     # The world has to have one plain Background, not in a group, that both lights and is seen.
     if not (output and single) or has_backdrop(world) or single.inside or not active_links(output.inputs["Surface"]):
@@ -242,7 +242,7 @@ def with_backdrop(
     instances: Mapping[str, schema.Instance],
     values: Mapping[str, Sequence[float]],
 ) -> dict[str, Sequence[float]]:
-    """Adds a backdrop if values (by key) make it differ from the world; returns the values to write."""
+    """Adds a backdrop if `values` (by key) make it differ from the world's light; returns the values still to write."""
     offer = offered_backdrop(world, instances)
     named = [key for key in values if key in offer]
     if world is None or not named:

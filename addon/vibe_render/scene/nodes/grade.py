@@ -40,7 +40,7 @@ BLOOM = {"Highlights Threshold": 1.0, "Highlights Smoothness": 0.1, "Saturation"
 
 
 def graded(name: str, context: Any, scene: Scene) -> LazySlot:
-    """Locator (see `bindings`) of an input of the scene's grade."""
+    """The slot of input `name` of the scene's grade, which writing adds if it is missing. A locator, see `bindings`."""
     tree = compat.compositor(scene)
 
     def find() -> ValueSlot | None:
@@ -66,7 +66,7 @@ def graded(name: str, context: Any, scene: Scene) -> LazySlot:
 
 
 def cut_off(tree: NodeTree | None) -> bool:
-    """True if no image reaches the output of a compositor, so that every render is black."""
+    """True if no image reaches the output of a compositor, so every render is black; False without a compositor."""
     if tree is None:
         return False
     target = compat.compositor_output(tree)

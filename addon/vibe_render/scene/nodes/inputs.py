@@ -18,14 +18,14 @@ from . import owned
 from .trails import NodeEntry, ValueOrigin, active_links, resolve
 
 FindEntry = Callable[[], NodeEntry | None]
-"""Finds an input anew each time: once a group is copied, the input is on a node of the copy."""
+"""Finds an input, or returns None; called anew each time, because after a group is copied, the input is in the copy."""
 
 _WHITE = (1.0, 1.0, 1.0)
 
 
 @dataclass
 class _InputSlot:
-    """Value slot: an input that shares its value with others, and gets a value of its own when it is written."""
+    """Value slot: an input that shares its value with other inputs; writing first gives it a value of its own."""
 
     find: FindEntry
     locked: str
@@ -53,7 +53,10 @@ class _InputSlot:
 
 
 def input_slot(find: FindEntry, tinted: bool = False) -> ValueSlot | None:
-    """The slot of an input's value, at its origin; None without an input, or if it is `tinted` and nodes compute it."""
+    """The slot of an input's value, at the place that stores it; None without an input.
+
+    If nodes compute the value, the slot is locked; with `tinted`, it is None, because a Vibe Tint changes such a value.
+    """
     entry = find()
     if entry is None:
         return None
@@ -77,7 +80,7 @@ def _is_shared(group: Node) -> bool:
 
 
 def own_groups(journal: Journal, inside: tuple[Node, ...]) -> None:
-    """Gives a material copies of node groups that it shares; `inside` are the group nodes from its tree inwards."""
+    """Replaces node groups with other users by copies; `inside` are the group nodes from the outermost tree inwards."""
     tree: NodeTree | None = None
     for group in inside:
         # If the group around it has been copied, take the node in the copy.
@@ -89,19 +92,19 @@ def own_groups(journal: Journal, inside: tuple[Node, ...]) -> None:
 
 @dataclass(frozen=True)
 class Inset:
-    """A kind of inset. Its group takes the original value at its first input, and gives the changed one at its only output."""
+    """A kind of inset, a node group: its first input takes the original value, its only output is the changed one."""
 
     name: str  # of the group
     inputs: owned.GroupInputs
-    result: Callable[..., NodeSocket]  # builds the output, from a builder and the inputs
+    result: Callable[..., NodeSocket]  # (builder, *group inputs) -> socket with the changed value
 
     def slot(
         self, find: FindEntry, name: str, plain: bool = False, settings: Mapping[str, float] | None = None
     ) -> ValueSlot | None:
-        """The slot of an input of the inset in front of the input that `find` returns; None if nodes do not compute that.
+        """The slot of input `name` of the inset in front of the node input that `find` returns; writing adds the inset.
 
-        With `plain`, a constant value has an inset too, such as one of several mixed colors. `settings` are values of
-        the inset's other inputs.
+        None if that node input has a constant value, unless `plain`: one of several mixed colors has an inset, too.
+        `settings` are first values of the inset's other inputs.
         """
         entry = find()
         if entry is None:
@@ -125,11 +128,11 @@ class Inset:
         return LazySlot(partial(input_slot, own), make, self.inputs[name][0], locked)
 
     def of(self, source: NodeSocket | None) -> Node | None:
-        """The inset that an output belongs to, if it is one of this kind."""
+        """The node that an output belongs to if it is an inset of this kind, else None."""
         return source.node if source and _inset_name(source.node) == self.name else None
 
     def _insert(self, journal: Journal, origin: ValueOrigin, settings: Mapping[str, float]) -> Node:
-        """Adds an inset in front of all inputs of the same meaning; other inputs of the same source keep its value."""
+        """Adds and returns an inset in front of `origin.targets`; other inputs of the same source keep their value."""
         socket = origin.socket
         targets = origin.targets or (socket,)
         node = owned.group_node(journal, socket.id_data, self.name, self._fill, targets[0].node)
@@ -176,7 +179,7 @@ def artists_origin(entry: NodeEntry) -> ValueOrigin:
 
 
 def _tinted(build: owned.Builder, color: NodeSocket, tint: NodeSocket, recolor: NodeSocket) -> NodeSocket:
-    """(color + Recolor · (luma − color)) · Tint."""
+    """The result of a Vibe Tint: (color + Recolor · (luma − color)) · Tint."""
     luma = build.vector("DOT_PRODUCT", color, LUMA)
     gray = build.vector("SCALE", build.vector("SUBTRACT", luma, color), Scale=recolor)
     return build.vector("MULTIPLY", build.vector("ADD", color, gray), tint)

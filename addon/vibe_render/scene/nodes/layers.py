@@ -29,7 +29,7 @@ class MixSide:
 
     @property
     def grazing(self) -> Node | None:
-        """The Fresnel or Layer Weight node that mixes, if one does."""
+        """The Fresnel or Layer Weight node that gives the factor; None without one."""
         source = resolve(self.factor).source
         kinds = ("ShaderNodeFresnel", "ShaderNodeLayerWeight")
         return source.node if source and source.node.bl_idname in kinds else None
@@ -79,7 +79,7 @@ def layers(material: Material) -> list[Layer]:
 
 
 def behind(socket: NodeSocket, inside: tuple[Node, ...] = (), sides: tuple[MixSide, ...] = ()) -> Iterator[Layer]:
-    """The shaders behind an input, in groups too; `inside` and `sides` are the groups and mixes that lead to it."""
+    """Yields the shaders behind an input, in groups too; `inside` and `sides`: groups and mixes around the input."""
     given = source_output(socket, inside)
     if given is None:
         return
@@ -96,14 +96,14 @@ def behind(socket: NodeSocket, inside: tuple[Node, ...] = (), sides: tuple[MixSi
 
 
 def by_prominence(material: Material) -> list[Layer]:
-    """The visible shaders, those with most weight in the visible color first, whatever the values that a vibe changes."""
+    """The visible shaders by decreasing weight in the visible color; a vibe's changes do not affect the order."""
     shown = [layer for layer in layers(material) if layer.kind != TRANSPARENT]
     visible = [layer for layer in shown if layer.share > 0.0]
     return sorted(visible or shown, key=lambda layer: -layer.share * layer.shader.shader.shows)
 
 
 def entry(material: Material, name: str) -> NodeEntry | None:
-    """The input that holds a value of a surface, by its name on the Principled BSDF; None without one."""
+    """The shader input that decides a value of a surface, by its name on the Principled BSDF; None without one."""
     # That of the most prominent shader that has it: the roughness of a Diffuse BSDF with a glossy coat is the coat's.
     shown = by_prominence(material)
     if name.startswith("Emission"):  # an Emission node comes first
@@ -116,7 +116,7 @@ def entry(material: Material, name: str) -> NodeEntry | None:
 
 
 def body(material: Material) -> list[Layer]:
-    """The shaders that make the color of the material: the most prominent one, and others of its matter."""
+    """The shaders that make a material's color: the most prominent one, and others of its matter with enough weight."""
     shown = [layer for layer in by_prominence(material) if layer.shader.input("Base Color")]
     if not shown:
         return []
@@ -125,7 +125,7 @@ def body(material: Material) -> list[Layer]:
 
 
 def colors(material: Material) -> list[NodeEntry]:
-    """The inputs that hold the color of a material, one for each origin; several for mixes of the same matter."""
+    """The inputs with a material's color, one for each source; several if colors are mixed, empty without a color."""
     first = entry(material, "Base Color")
     if first is None:
         return []
@@ -144,14 +144,14 @@ def lacquer_over(every: list[Layer], base: Layer) -> Layer | None:
 
 
 def lacquer_entry(material: Material, name: str) -> NodeEntry | None:
-    """An input of the lacquer over a metal; None without one."""
+    """The input `name` of the lacquer over a metal, by its name on the Principled BSDF; None without a lacquer."""
     shown = body(material)
     coat = lacquer_over(layers(material), shown[0]) if shown else None
     return coat.shader.entry(name) if coat else None
 
 
 def emitted_radiance(material: Material) -> float:
-    """The approximate radiance that a material's surface emits, of its strongest color component; 0 if it emits none."""
+    """The approximate radiance that a surface emits, in its strongest color component; 0 if it emits none."""
     total = 0.0
     for layer in layers(material):
         color, strength = layer.shader.entry("Emission Color"), layer.shader.entry("Emission Strength")

@@ -10,7 +10,7 @@ from .trails import NodeEntry, ValueOrigin, resolve, source_output
 
 
 def kelvin(light: Light) -> NodeEntry | None:
-    """The temperature of the Blackbody node that gives a light its color; None if none does, or if it is computed."""
+    """The Temperature input of the Blackbody node that colors a light; None without one, or if it is computed."""
     color = _origin(light, "Color")
     if color is None or color.source is None or color.source.node.bl_idname != "ShaderNodeBlackbody":
         return None
@@ -19,7 +19,7 @@ def kelvin(light: Light) -> NodeEntry | None:
 
 
 def factor(light: Light) -> tuple[float, float, float] | None:
-    """The color that a light's nodes multiply its color by, without a Blackbody's; None if the nodes do anything else."""
+    """(red, green, blue) by which a light's nodes multiply its light, without a Blackbody; None if they do more."""
     if compat.node_tree(light) is None:
         return 1.0, 1.0, 1.0
     color, strength = _origin(light, "Color"), _origin(light, "Strength")
@@ -42,7 +42,7 @@ def factor(light: Light) -> tuple[float, float, float] | None:
 
 
 def whiten(light: Light) -> None:
-    """Replaces the color from a Blackbody node by white; changes the light, so it has to be a copy."""
+    """Replaces the color from a Blackbody node by white, in place: `light` has to be a copy of the artist's light."""
     given = _emission(light)
     if given and not given[1] and kelvin(light):  # not in a group, which others may use
         socket = given[0].node.inputs["Color"]
@@ -51,7 +51,7 @@ def whiten(light: Light) -> None:
 
 
 def flatten(light: Light) -> None:
-    """Makes a light shine as if it had no nodes; changes the light, so it has to be a copy."""
+    """Makes a light with nodes shine as if it had none, in place: `light` has to be a copy of the artist's light."""
     tree = compat.node_tree(light)
     assert tree
     plain = tree.nodes.new("ShaderNodeEmission")
@@ -62,13 +62,13 @@ def flatten(light: Light) -> None:
 
 
 def _origin(light: Light, name: str) -> ValueOrigin | None:
-    """The origin of an input of the Emission node behind a light's output."""
+    """The origin of the input `name` of the Emission node behind a light's output; None without such a node."""
     given = _emission(light)
     return resolve(NodeEntry(given[0].node.inputs[name], given[1])) if given else None
 
 
 def _emission(light: Light) -> tuple[NodeSocket, tuple[Node, ...]] | None:
-    """The output of the Emission node of a light, and the groups around it."""
+    """(output of the Emission node behind a light's output, group nodes around the Emission node); None without one."""
     output = compat.output_node(light)
     given = source_output(output.inputs["Surface"], ()) if output else None
     return given if given and given[0].node.bl_idname == "ShaderNodeEmission" else None

@@ -18,12 +18,12 @@ from . import owned
 
 NAME = "Vibe Light Mix"
 GUIDES = ("Denoising Albedo", "Denoising Normal")
-PASS = "Combined_"  # in front of a light group's name, the name of its pass
+PASS = "Combined_"  # followed by a light group's name: the name of the group's pass
 _WHITE, _BLACK = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
 
 
 def insert_mix(journal: Journal, scene: Scene, colors: Mapping[str, Color]) -> None:
-    """Adds the mix after the Render Layers node, or gives an existing mix new colors, by light group."""
+    """Adds the mix after the Render Layers node, or changes the existing one; `colors`: light group -> color."""
     tree = compat.editable_compositor(journal, scene)
     layer = rendered.layer(scene)
     if scene.cycles.use_denoising and not layer.cycles.denoising_store_passes:
@@ -52,7 +52,7 @@ def insert_mix(journal: Journal, scene: Scene, colors: Mapping[str, Color]) -> N
 
 
 def read_mix(scene: Scene) -> dict[str, Color]:
-    """Light group -> color that the scene's mix multiplies its pass by; empty without a mix that is switched on."""
+    """Light group -> color by which the scene's mix multiplies the group's pass; empty without a mix, or if muted."""
     found = {}
     for node in owned.group_nodes(compat.compositor(scene), NAME):
         for entry in node.inputs if not node.mute else ():
@@ -70,19 +70,19 @@ def mute_mix(journal: Journal, scene: Scene) -> None:
 
 
 def denoise_node(tree: NodeTree) -> Node:
-    """Adds a node that denoises a pass."""
+    """Adds and returns a Denoise node, not linked yet."""
     node = tree.nodes.new("CompositorNodeDenoise")
     compat.set_option(node, "prefilter", "Prefilter", "FAST", "Fast")
     return node
 
 
 def _color_of(name: str) -> str:
-    """The name of the input for the color that a light group's pass is multiplied by."""
+    """The name of the mix's input for the color of a light group."""
     return f"{name} Color"
 
 
 def _render_layers(tree: NodeTree, scene: Scene) -> Node:
-    """The node with the first rendered view layer; raises VibeError if the compositor does not use its image."""
+    """The Render Layers node of the first rendered view layer; raises VibeError if its image is not used."""
     first = rendered.layer(scene).name
     for node in tree.nodes:
         here = node.bl_idname == "CompositorNodeRLayers" and node.scene in (None, scene)
@@ -98,7 +98,7 @@ def _declare(tree: NodeTree) -> None:
 
 
 def _fill(tree: NodeTree, denoised: bool) -> None:
-    """Rebuilds the nodes inside the group for all inputs that it has."""
+    """Rebuilds the nodes inside the group for all its light groups; if `denoised`, denoises each pass first."""
     tree.nodes.clear()
     build = owned.Builder(tree)
     image, albedo, normal = build.inputs("Image", *GUIDES)

@@ -19,7 +19,7 @@ FOG = "Vibe Fog"
 CARD = schema.added_lights.CARD
 COLOR = (0.32, 0.22, 0.46)
 GroupInputs = Mapping[str, tuple]
-"""Inputs of a group by name: the value that changes nothing (a color as RGB) and, for a number, its bounds."""
+"""Name of a group's input -> the value that changes nothing (a color as RGB), and for most numbers the two bounds."""
 
 
 def is_unseen(obj: Object) -> bool:
@@ -28,19 +28,19 @@ def is_unseen(obj: Object) -> bool:
 
 
 def new(journal: Journal, collection: str, name: str, *kind: Any, role: str = "") -> Any:
-    """Adds a data-block as `Journal.new` does, marked as Vibe Render's with a role, by default its name."""
+    """Adds a data-block as `Journal.new` does, and marks it as Vibe Render's with a role, by default `name`."""
     block = journal.new(collection, name, *kind)
     block[MARK] = role or name
     return block
 
 
 def find_owned(blocks: Iterable[ID], role: str) -> Any:
-    """The data-block that Vibe Render has made for a role; None if there is none."""
+    """The data-block in `blocks` that Vibe Render has made for a role; None if there is none."""
     return next((b for b in blocks if b.get(MARK) == role and b.library is None), None)
 
 
 def owned_group(journal: Journal, name: str, kind: str, fill: Callable[[NodeTree], None]) -> NodeTree:
-    """Vibe Render's node group of a name; makes it and calls `fill` if it is missing."""
+    """Vibe Render's node group `name`; if the file lacks it, a new tree of the type `kind`, with nodes from `fill`."""
     tree = find_owned(bpy.data.node_groups, name)
     if tree is None:
         tree = new(journal, "node_groups", name, kind)
@@ -49,7 +49,7 @@ def owned_group(journal: Journal, name: str, kind: str, fill: Callable[[NodeTree
 
 
 def group_input(tree: NodeTree, name: str, default: Any, *bounds: float) -> None:
-    """Declares a group's input: a number with the bounds that its slider has, a vector, or a color with alpha."""
+    """Declares a group's input; `default` (number, vector or RGBA) sets its type, `bounds` are a number's limits."""
     kind = {1: "NodeSocketFloat", 3: "NodeSocketVector", 4: "NodeSocketColor"}[np.size(default)]
     item = tree.interface.new_socket(name, in_out="INPUT", socket_type=kind)
     item.default_value = default
@@ -58,14 +58,14 @@ def group_input(tree: NodeTree, name: str, default: Any, *bounds: float) -> None
 
 
 def declare(tree: NodeTree, inputs: GroupInputs, output: str, kind: str = "NodeSocketColor") -> None:
-    """Declares a group's inputs, and an output of a kind."""
+    """Declares a group's inputs, and one output with the socket type `kind`."""
     for name, (identity, *bounds) in inputs.items():
         group_input(tree, name, (*identity, 1.0) if isinstance(identity, tuple) else identity, *bounds)
     tree.interface.new_socket(output, in_out="OUTPUT", socket_type=kind)
 
 
 def group_node(journal: Journal, tree: NodeTree, name: str, fill: Callable[[NodeTree], None], neighbor: Node) -> Node:
-    """Adds a node for Vibe Render's group of a name (see `owned_group`) to the left of another node, in a frame."""
+    """Adds a node with Vibe Render's group `name` (see `owned_group`) to the left of `neighbor`, in a frame."""
     kind = {"ShaderNodeTree": "ShaderNodeGroup", "CompositorNodeTree": "CompositorNodeGroup"}[tree.bl_idname]
     inner = owned_group(journal, name, tree.bl_idname, fill)
     node = journal.node(tree, kind, inner.name)
@@ -75,7 +75,7 @@ def group_node(journal: Journal, tree: NodeTree, name: str, fill: Callable[[Node
 
 
 def dress(journal: Journal, tree: NodeTree, node: Node, neighbor: Node) -> None:
-    """Colors and frames an added node, and places it to the left of another one."""
+    """Colors an added node, places it to the left of `neighbor`, and puts it into a frame."""
     node.label, node.use_custom_color, node.color = node.name, True, COLOR
     frame = journal.node(tree, "NodeFrame", "Vibe Render")
     frame.label, frame.use_custom_color, frame.color = "Vibe Render", True, COLOR
@@ -84,7 +84,7 @@ def dress(journal: Journal, tree: NodeTree, node: Node, neighbor: Node) -> None:
 
 
 def group_nodes(tree: NodeTree | None, name: str) -> list[Node]:
-    """The nodes of a tree that use Vibe Render's group of a name."""
+    """The nodes of a tree that use Vibe Render's group `name`; empty without a tree."""
     nodes = tree.nodes if tree else ()
     return [n for n in nodes if n.type == "GROUP" and n.node_tree and n.node_tree.get(MARK) == name]
 
@@ -98,7 +98,7 @@ class Builder:
         self._column = 0
 
     def inputs(self, *names: str) -> list[NodeSocket]:
-        """The group's inputs, as outputs of its input node."""
+        """The group's inputs of these names, as outputs of the Group Input node."""
         return [self.entry.outputs[name] for name in names]
 
     def add(self, node: Node) -> Node:
@@ -108,7 +108,7 @@ class Builder:
         return node
 
     def node(self, kind: str, *operands: Any, operation: str = "", **inputs: Any) -> Node:
-        """Adds a node with its first inputs (`operands`) and others by name linked (sockets) or set (values)."""
+        """Adds a node; links or sets (see `put`) its first inputs to `operands`, and the inputs named in `inputs`."""
         node = self.add(self.tree.nodes.new(kind))
         if operation:
             node.operation = operation
@@ -118,20 +118,20 @@ class Builder:
         return node
 
     def put(self, target: NodeSocket, given: Any) -> None:
-        """Links a socket to an input, or sets the input's value."""
+        """Links `given` to an input if it is a socket, otherwise sets the input's value to it."""
         if isinstance(given, NodeSocket):
             self.tree.links.new(given, target)
         else:
             target.default_value = given
 
     def math(self, operation: str, *operands: Any, clamp: bool = False) -> NodeSocket:
-        """The result of a Math node."""
+        """Adds a Math node; returns its result."""
         node = self.node("ShaderNodeMath", *operands, operation=operation)
         node.use_clamp = clamp
         return node.outputs[0]
 
     def vector(self, operation: str, *operands: Any, **inputs: Any) -> NodeSocket:
-        """The result of a Vector Math node; colors pass through it as vectors."""
+        """Adds a Vector Math node, which takes colors as vectors; returns its result."""
         node = self.node("ShaderNodeVectorMath", *operands, operation=operation, **inputs)
         return node.outputs["Value" if operation in {"DOT_PRODUCT", "LENGTH"} else "Vector"]
 

@@ -21,13 +21,13 @@ FOREIGN = {
 
 @dataclass(frozen=True)
 class SurfaceShader:
-    """How a surface shader compares with the Principled BSDF; the defaults are those of the Principled BSDF."""
+    """A surface shader, compared with the Principled BSDF, whose values are the defaults."""
 
-    names: Mapping[str, str] = field(default_factory=dict)  # input of the Principled BSDF -> its own name for it
-    stand_in: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # parameters that stand for the rest
+    names: Mapping[str, str] = field(default_factory=dict)  # input of the Principled BSDF -> this shader's name for it
+    stand_in: Mapping[str, tuple[float, ...]] = field(default_factory=dict)  # values of parameters that it lacks
     matter: str = "matte"  # layers of the same matter can together make the color of a body
-    shows: float = 1.0  # how visible its own color is: coats and glass show what is around them
-    unlike: Collection[str] = ()  # its inputs with a Principled name and another meaning
+    shows: float = 1.0  # share of its own color in what is seen; coats and glass show their surroundings
+    unlike: Collection[str] = ()  # this shader's inputs with a Principled name and another meaning
 
 
 _COLOR = {"Base Color": "Color"}
@@ -70,27 +70,27 @@ class NodeEntry:
 class ValueOrigin:
     """The place where the value of an input is stored or computed."""
 
-    socket: NodeSocket  # the socket that holds the value; of a computed one, the input where the trail ends
-    source: NodeSocket | None  # the output that computes the value; None where none does
+    socket: NodeSocket  # the socket that stores the value; if nodes compute it, the last input that passes it on
+    source: NodeSocket | None  # the output that computes the value; None for a stored value
     inside: tuple[Node, ...]  # the group nodes that lead to `socket` and `source`
     targets: tuple[NodeSocket, ...] = ()  # of a linked value: the inputs with the same meaning that get it
     feeds_others: bool = False  # whether inputs of another meaning get the value too
 
 
 def active_links(socket: NodeSocket) -> list[NodeLink]:
-    """The links into a socket that count in Cycles."""
+    """The links into a socket that count in Cycles: valid, not muted, and not from a foreign node."""
     usable = (link for link in socket.links if link.is_valid and not link.is_muted)
     return [link for link in usable if not is_foreign(link.from_node)]
 
 
 def is_foreign(node: Node) -> bool:
-    """True if a render ignores a node."""
+    """True if a Cycles render ignores a node, see `FOREIGN`."""
     scripts = node.bl_idname == "ShaderNodeScript" and any(s.cycles.shading_system for s in bpy.data.scenes)
     return node.bl_idname in FOREIGN and not scripts
 
 
 def resolve(entry: NodeEntry) -> ValueOrigin:
-    """Follows an input to where its value is set: a group node's own input, a Value node, an RGB node."""
+    """The origin of an input's value: a group node's own input, a Value or RGB node, or an output that computes it."""
     socket, inside = entry.socket, entry.inside
     alike = entry.alike or (socket,)
     last = socket  # the input whose link is followed; `socket` does not go past the reroutes of this tree
@@ -112,7 +112,7 @@ def resolve(entry: NodeEntry) -> ValueOrigin:
 
 
 def distinct(entries: Iterable[NodeEntry | None]) -> list[NodeEntry]:
-    """The inputs; of those whose values have the same origin, only the first."""
+    """The inputs, without None; of several inputs whose values have the same origin, only the first."""
     found: dict[NodeSocket, NodeEntry] = {}
     for entry in filter(None, entries):
         origin = resolve(entry)
@@ -121,7 +121,7 @@ def distinct(entries: Iterable[NodeEntry | None]) -> list[NodeEntry]:
 
 
 def _ends(socket: NodeSocket, inside: tuple[Node, ...]) -> Iterator[NodeSocket]:
-    """The inputs that an input's value goes to: itself, or those behind a reroute or inside a group."""
+    """Yields the inputs that use a socket's value: the socket itself, or inputs behind a reroute or inside a group."""
     node = socket.node
     onward: list[tuple[NodeSocket, tuple[Node, ...]]] = []
     if node.type == "REROUTE":
@@ -139,7 +139,7 @@ def _ends(socket: NodeSocket, inside: tuple[Node, ...]) -> Iterator[NodeSocket]:
 
 
 def source_output(socket: NodeSocket, inside: tuple[Node, ...]) -> tuple[NodeSocket, tuple[Node, ...]] | None:
-    """The output that an input gets its value from, and the groups around it; reroutes and groups are seen through."""
+    """(output that feeds an input, group nodes around the output), through reroutes and groups; None if not linked."""
     for link in active_links(socket)[:1]:
         source = link.from_socket
         node = source.node
@@ -159,14 +159,14 @@ def source_output(socket: NodeSocket, inside: tuple[Node, ...]) -> tuple[NodeSoc
 
 
 def group_output(group: Node) -> list[NodeSocket]:
-    """The inputs of the active Group Output node of a group."""
+    """The inputs of the active Group Output node of a group; empty without such a node."""
     outputs = [n for n in group.node_tree.nodes if n.type == "GROUP_OUTPUT"]
     outputs.sort(key=lambda n: not n.is_active_output)
     return list(outputs[0].inputs) if outputs else []
 
 
 def same_socket(sockets: Sequence[NodeSocket], socket: NodeSocket) -> NodeSocket | None:
-    """The one of several sockets that has the identifier of another socket; None without one."""
+    """The socket in `sockets` that has the identifier of `socket`; None if there is none."""
     return next((s for s in sockets if s.identifier == socket.identifier), None)
 
 
@@ -179,7 +179,7 @@ class NodeInGroups:
 
     @property
     def shader(self) -> SurfaceShader:
-        """How it compares with the Principled BSDF, if it is a shader."""
+        """The row of `SHADERS` for the node; a default one if it is not a supported shader."""
         return SHADERS.get(self.node.bl_idname, SurfaceShader())
 
     def input(self, name: str) -> NodeSocket | None:
@@ -187,7 +187,7 @@ class NodeInGroups:
         return None if name in self.shader.unlike else self.node.inputs.get(self.shader.names.get(name, name))
 
     def entry(self, name: str, alike: tuple[NodeSocket, ...] = ()) -> NodeEntry | None:
-        """The same as an entry: with the groups around it, and inputs `alike` that have the same meaning."""
+        """The result of `input` as an entry, with the groups around it; `alike`: inputs with the same meaning."""
         socket = self.input(name)
         return NodeEntry(socket, self.inside, alike) if socket else None
 
@@ -202,7 +202,7 @@ def world_volume(world: World | None) -> NodeInGroups | None:
 
 
 def search(entry: NodeEntry, kind: str) -> NodeInGroups | None:
-    """The first node of a kind behind an input, depth first, into groups and out of them again."""
+    """The first node of the type `kind` behind an input, depth first, also inside groups; None without one."""
     given = source_output(entry.socket, entry.inside)
     if given is None:
         return None
