@@ -38,9 +38,10 @@ _ENOUGH = 0.8  # share of the full move that satisfies a comparative word
 def goals_with_picture(goals: Goals, vocabulary: Vocabulary) -> Goals:
     """Goals in which the claims of words and of a reference image agree; without a reference image the same goals.
 
-    A word may ask for more or less of a measure than the reference image has. The image's claims about that measure then move along:
-    to where the word is satisfied, or, for a comparative word such as "colder", by a clearly visible amount. A comparative word is
-    then measured against the reference image. If several words move one measure of one part, the first in rank counts.
+    A word may ask for more or less of a measure than the reference image has. Then the image's claims about that
+    measure move: to where the word is satisfied or, for a comparative word such as "colder", by a clearly visible
+    amount. A comparative word is measured against the reference image. If several words move one measure of one part
+    of the image, the first in rank counts.
     """
     facts = (claim for wish in goals.pictured for claim in wish.claims if not claim.weight)
     has = {(fact.part, fact.measure): fact.lower[0] for fact in facts if fact.lower == fact.upper}

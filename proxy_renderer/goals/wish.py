@@ -88,10 +88,10 @@ class Wish:
     def rank(self) -> tuple[bool, bool, int, bool, bool, int, bool, int, int]:
         """The sort key of a conflict: the smallest wins.
 
-        Of two wishes, the first of these rules that applies decides: a word before a reference image; any wish before a default; what
-        a word says before what is usual; said before implied; a word about one light or object before one about all. Then a named
-        color comes before the color of a material, and a mere change of the present color last. Last come words that are not vague
-        before vague ones, fewer claims before more, and the main effect of a word before its others.
+        The first of these rules that applies decides: a word before a reference image; any wish before a default; what
+        a word says before what is usual; said before implied; a word about one light or object before one about all.
+        Then a named color comes before the color of a material, and a mere change of the present color last. The last
+        rules: words that are not vague before vague ones, fewer claims before more, a word's main effect before others.
         """
         default = not self.is_seen and all(e.weak for e in self.effects)
         general = not self.attribute.of_one_light
