@@ -193,7 +193,7 @@ def _recolored(attribute: Attribute, vocabulary: Vocabulary, scene: SceneDescrip
 
 
 def _tinted(attribute: Attribute, steps: float) -> Iterator[Wish]:
-    """Yields the wish that a tint moves by `steps` toward the color of a word, below 0 away; nothing for a gray."""
+    """Yields the wish that a tint moves by `steps` toward the color of a word (away if below 0); none for a gray."""
     assert attribute.color
     _, a, b = oklab_from_srgb(attribute.color)
     if math.hypot(a, b) < _GRAYISH:
@@ -265,7 +265,7 @@ def _compared(attribute: Attribute, vocabulary: Vocabulary, factor: float, noun:
 
     Args:
         factor: As for `further`.
-        noun: The look word that the word describes: "fog thinner" asks for less, as thin fog is less than "fog".
+        noun: The noun that the word describes, if that is a look word: "fog thinner" asks for less than "fog".
     """
     plain = wishes_of([replace(attribute, strength=1.0)], vocabulary)
     main = next((wish for wish in plain if wish.claims), next((wish for wish in plain if wish.effects), None))
@@ -299,7 +299,8 @@ def _compared(attribute: Attribute, vocabulary: Vocabulary, factor: float, noun:
 def _around(effect: Effect, noticed: float, way: float) -> Effect:
     """An effect that lets the parameter of `effect` move around its present value, by `_REACH` for each step.
 
-    Sizes of lights move only in the direction of `noticed` (steps of the measure), finishes of `way` (of the word).
+    Sizes of lights move only along the sign of `noticed` (steps of the measure), finishes only along that of `way`
+    (steps of the word).
     """
     reach = _REACH * abs(noticed) / _NOTICED
     towards = noticed if effect.name in ("size", "angle") else way * _finish_direction(effect)
@@ -308,7 +309,7 @@ def _around(effect: Effect, noticed: float, way: float) -> Effect:
 
 
 def _finish_direction(effect: Effect) -> float:
-    """1 if an effect raises a material's value from its default, -1 if it lowers it; 0 for other effects."""
+    """1 if an effect raises a material's value from its default, -1 if it lowers it; 0 for all other effects."""
     parameter = FAMILIES[effect.family]
     if parameter.group != "material" or parameter.components > 1 or effect.mode:
         return 0.0

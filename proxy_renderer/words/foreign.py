@@ -40,7 +40,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class Gloss:
-    """A prompt in English words."""
+    """A prompt, translated to English words."""
 
     prompt: str  # as the artist wrote it
     english: str  # as it is read
@@ -242,7 +242,7 @@ def understood() -> str:
 
 
 def other_language(text: str) -> Literal["", "some", "all"]:
-    """The amount of a prompt in languages that are not read, by their scripts or small words: "" for none."""
+    """The amount of a prompt in languages that are not read, judged by script and small words; "" for none."""
     letters = [c for c in text if c.isalpha()]
     latin = sum("LATIN" in unicodedata.name(c, "") for c in letters)
     if letters and latin < 0.5 * len(letters):

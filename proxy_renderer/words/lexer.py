@@ -135,7 +135,7 @@ class Lexer:
         return tokens
 
     def _places(self, words: list[str], light: Token) -> bool:
-        """True if `words`, after a `light`, say where it comes from: "behind it", but not "behind the hills"."""
+        """True if `words`, after the token `light`, say where that comes from: "behind it", not "behind the hills"."""
         is_light = light.noun == "light" or self.vocabulary.slot(light.entry) == "lighting"
         if light.scene or not is_light or words[0] not in self.vocabulary.words["placed"]:
             return False
@@ -266,7 +266,7 @@ def _shaded(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
 
 
 def _compound(words: list[str], colors: dict[str, Values]) -> Values | None:
-    """The color, sRGB, of two words that mix: "khaki green"; None for phrases in `colors`, "teal orange" and others."""
+    """The color, sRGB, of two words that mix, as "khaki green"; None if `colors` has the phrase or they do not mix."""
     if len(words) != 2 or " ".join(words) in colors or words[1] not in colors:
         return None
     first, base = words[0], colors[words[1]]

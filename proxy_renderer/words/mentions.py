@@ -145,7 +145,7 @@ class _NounFinder:
 
 
 def _letters(passage: Passage, single: list[NounMention], vocabulary: Vocabulary) -> tuple[str, list[int]]:
-    """A letter for each token, with commas between clauses, see the head of this file; and each character's token."""
+    """A string: a letter for each token, commas between clauses (see `_LETTERS`); and its characters' token places."""
     nouns = {mention.start: mention for mention in single}
     inside = {i for m in single for i in range(m.start + 1, m.end + 1)}
     letters, places = "", list[int]()
@@ -232,7 +232,7 @@ class OwnNouns:
         return found
 
     def _before(self, look: int) -> NounMention | None:
-        """The noun before a look word: "the roof is red"; one of the scene wins over one without article. Else None."""
+        """The noun before a look word ("the roof is red"); the scene's precede those without article; or None."""
         found = None
         for place in range(look - 1, -1, -1):
             item = self._items[place]

@@ -162,7 +162,7 @@ class PairFeatures:
                 yield f"a {self._sort} word before an hour"
 
     def _named_facts(self, target: Target, mention: NounMention, group: str) -> Iterator[str]:
-        """Yields facts about a target that `mention` names: its place next to the look word, and how well it fits."""
+        """Yields facts about a target that `mention` names: where that noun stands, and how well it fits the target."""
         if mention.covers(self.look.index):
             yield f"itself at {group}"
             return

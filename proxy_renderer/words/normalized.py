@@ -103,7 +103,7 @@ def _sole_lights(v: Vocabulary) -> list[re.Pattern[str]]:
 
 
 def _sole_light(match: re.Match[str]) -> str:
-    """The wording of a match: "by lamplight" for "only the floor lamp on", else as "key on, everything else dark"."""
+    """The wording of a match: "by lamplight" for a lamp of the room, "key on, everything else dark" for others."""
     light, rigs = match["light"], rig_table().rigs
     noun = singular(light.split()[-1].lower())
     if noun in rigs[_LAMPLIGHT].lights[0].names:
@@ -128,7 +128,7 @@ def _kelvins(match: re.Match[str]) -> str:
 
 
 def _protecting(v: Vocabulary) -> list[re.Pattern[str]]:
-    """Patterns of wordings for `what` stays; the first pattern counts even if `what` names nothing in the scene."""
+    """Patterns of wordings that the group `what` stays; the first one counts even if `what` is not in the scene."""
     words = {kind: any_of(v.words[kind]) for kind in ("leave", "alone", "forbid", "keep", "stays", "stay")}
     end = r"(?=\s*(?:[,.;:!]|and\b|but\b|while\b|$))"
     one = rf"{any_of(v.lists['definite'])} [\w-]+(?: [\w-]+)?"
@@ -229,7 +229,7 @@ def _lights(noun: str, scene: SceneDescription, vocabulary: Vocabulary) -> tuple
 
 
 def _objects(match: re.Match[str], scene: SceneDescription, vocabulary: Vocabulary) -> tuple[tuple[str, ...], int]:
-    """The objects that the nouns of a link name, and the place in the text where it ends: before "and warm fog"."""
+    """The objects that the nouns of a link name, and where in the text the link ends: before "and warm fog"."""
     first, *others = _JOINER.split(match["what"])
     found, end = [*_called(first, scene, vocabulary)], match.start("what") + len(first)
     for joiner, noun in zip(others[::2], others[1::2], strict=True):

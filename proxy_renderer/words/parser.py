@@ -229,7 +229,7 @@ def _prompt_words(reading: PromptReading, parsed: Parsed, own: Callable[[str], s
 def _look_word(
     reading: PromptReading, number: int, said: list[Attribute], end: str, own: Callable[[str], str]
 ) -> PromptWord:
-    """Look word `number` for reports; `said`: its attributes, none if it is left out; `end`: of its key, "" or "#2"."""
+    """Look word `number` for reports; `said`: its attributes, [] if left out; `end`: end of its key, "" or "#2"."""
     pair = reading.chosen[number]
     names = dict.fromkeys(pair.chosen or described_name(a, reading.scene) for a in said)
     candidates = _candidates(reading, number, next(iter(names), NOT_USED))

@@ -181,7 +181,7 @@ def _is_a_change(tokens: list[Token], match: re.Match[str]) -> bool:
 
 
 def _changed(number: int, tokens: list[Token], match: re.Match[str]) -> list[Token]:
-    """The tokens of a clause after one change: its object gets its present looks, and `number`, as wished looks do."""
+    """The tokens of a clause after one change: the object gets `presents`; object and wished looks get `number`."""
     looks = tuple(tokens[place] for place in range(*match.span("a")))
     named = match.groupdict().get("x") is not None
     owner = match.end("x") - 1 if named else match.end("a") - 1

@@ -35,7 +35,7 @@ _OF_SLOT = {"lighting": "light", "atmosphere": "fog", "grade": "tone", "setting"
 
 @dataclass
 class PromptReading:
-    """A prompt whose look words are bound."""
+    """A prompt whose look words are bound, with all that each of them may describe."""
 
     vocabulary: Vocabulary
     scene: SceneDescription
@@ -229,7 +229,7 @@ def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
 
 
 def _is_unsure(read: PromptReading, number: int) -> bool:
-    """True if look word `number` is likely none, and no noun names what it describes."""
+    """True if look word `number` is probably used for no look, and no noun names its target."""
     target = read.chosen[number].target
     if target.mention >= 0 or target.kind not in (*MATTER, "picture") or len(read.chosen) == 1:
         return False

@@ -198,7 +198,7 @@ class LookIndex:
         self._looks = {n: look for n, look in looks if look.share >= _SEEN and n in words.materials}
 
     def told(self, noun: Token, named: list[Named]) -> list[Named]:
-        """Materials that `noun` clearly means by present color or shape: of those in `named`, else of all; or []."""
+        """Materials that `noun` clearly means by present color or shape, of `named` or, if that is empty, of all."""
         color = next((look.color for look in noun.presents if look.color), None)
         things = [n for n in named if n.kind == "things"]
         if noun.presents and things:

@@ -44,7 +44,7 @@ _TARGET_OF = {"light": "light", "fog": "air", "sky": "sky", "shadow": "shadow", 
 
 @dataclass(frozen=True)
 class Target:
-    """Something that a look word may describe."""
+    """A target: materials, lights or a part of the image that a look word may describe."""
 
     # "things", "lights", "shadow", "highlight", one of the labels of `UNNAMED`, "others", "key", "fill" or "rim"
     kind: str
@@ -228,7 +228,7 @@ def with_choices(
 
 
 def _target(word: str, name: str, scene: SceneDescription) -> Target:
-    """The target with a name, or with several that " + " joins. Raises VibeError, which names `word`, without one."""
+    """The target with a name, or with several that " + " joins. Raises VibeError, which names `word`, for others."""
     found = _named(name, scene)
     several = [_named(part, scene) for part in target_names(name)]
     if found is None and all(several):

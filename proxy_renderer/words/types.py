@@ -45,7 +45,7 @@ class MaterialLook:
 
 @dataclass(frozen=True)
 class Glow:
-    """Light of a material that emits."""
+    """Light that a material emits."""
 
     light: float  # radiance of a white surface at the subject that faces it, if its own radiance is 1
     azimuth: float  # direction in which it is seen from the subject, degrees, as in `schema.orbit`
@@ -220,7 +220,7 @@ class SaidLink:
 
 @dataclass
 class Parsed:
-    """A prompt, understood."""
+    """A prompt as read: its look words, bound to what they describe, and what else it says."""
 
     prompt: str  # the text, white space tidied
     objects: list[PromptObject] = field(default_factory=list)  # at least one for the subject

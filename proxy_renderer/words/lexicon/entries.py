@@ -52,7 +52,7 @@ class Effect:
         return f"{OWNERS[self.owner]}/{self.name}"
 
     def __str__(self) -> str:
-        """As `parse_effect` reads it."""
+        """The effect as a text that `parse_effect` reads."""
         ends = "..".join(",".join(f"{v:.6g}" for v in end) for end in (self.lower, self.upper))
         mode = f" {self.mode}" if self.mode else ""
         weak = " ?" if self.weak else ""
@@ -114,7 +114,7 @@ def temperature(entry: str) -> int | None:
 
 
 def at_line(path: Path | str, text: str, problem: str, remedy: str, *quotes: str) -> VibeError:
-    """An error with a line of a file, found by searching for each quote in turn, each from the match before."""
+    """An error that names a line of a file: the last match when each quote is searched from the match before."""
     lines, line = text.splitlines(), 0
     for quoted in quotes:
         line = next((i for i in range(line, len(lines)) if quoted in lines[i]), line)
@@ -122,7 +122,7 @@ def at_line(path: Path | str, text: str, problem: str, remedy: str, *quotes: str
 
 
 def parse_effect(text: str) -> Effect:
-    """The effect of a text: "material/roughness 0.03..0.15 ? !2". Raises VibeError for another form or a misfit."""
+    """Reads "material/roughness 0.03..0.15 ? !2". Raises VibeError for a wrong form or a misfit of the schema."""
     match = _EFFECT.fullmatch(text.strip())
     form = _wrong(f"'{text}' is not an effect", "Write 'OWNER/PARAMETER [MODE] LOWER..UPPER'.")
     if not match or match["owner"] not in OWNERS:
@@ -207,7 +207,7 @@ def read_entry(name: str, row: dict[str, Any]) -> VocabularyEntry:
 
 
 def read_wishes(texts: Iterable[str]) -> tuple[EntryWish, ...]:
-    """The wishes of a word, one for each quantity, in the order of the texts. Raises VibeError for a text that is none.
+    """Wishes of a word, one for each quantity, in the order of the texts. Raises VibeError for a text that is no wish.
 
     A text is a class ("finish is glossy"), an effect ("film/contrast 1.1..1.3 !2") or a claim ("thing gloss 12..").
     """

@@ -113,12 +113,12 @@ def _bases(lexicon: LanguageLexicon, word: str) -> tuple[str, ...]:
 
 @cache
 def lexicons() -> tuple[LanguageLexicon, ...]:
-    """The lexicons that are shipped."""
+    """The lexicons of all languages in words/languages."""
     return tuple(map(load, sorted(Path(__file__).parents[1].joinpath("languages").glob("*.toml"))))
 
 
 def load(path: Path) -> LanguageLexicon:
-    """The lexicon of a file."""
+    """The lexicon in a file such as german.toml."""
     content = tomllib.loads(path.read_text("utf-8"))
     rows = {name: {e: listed(row) for e, row in content.get(name, {}).items()} for name in TABLES}
     meanings: dict[Wording, Meaning] = {}
@@ -181,11 +181,11 @@ class WordTable:
     common: frozenset[str]  # frequent English words that say nothing about looks
 
     def is_english(self, word: str) -> bool:
-        """True if the table has a word, or its singular."""
+        """True if the table has a word, or the word without a final "s", as a look word or another English word."""
         return any(w in self.common or w in self.index for w in (word, word.removesuffix("s")))
 
     def find(self, word: str) -> int | None:
-        """The row of a word, or of one with the same stem ("soaked" for "soaking"); None without one."""
+        """The row of a word, or of one with the same stem ("soaked" for "soaking"); None if there is none."""
         if word in self.index:
             return self.index[word]
         short = stem(word)
@@ -209,7 +209,7 @@ class WordTable:
 
 @cache
 def table() -> WordTable:
-    """The table that is shipped."""
+    """The shipped word table, read from words.safetensors."""
     import numpy as np
     from safetensors import safe_open
 

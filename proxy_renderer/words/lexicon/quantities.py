@@ -56,7 +56,7 @@ class ClaimText:
     by: bool = False  # whether both ends are noticeable steps from the value of the artist's image
 
     def __str__(self) -> str:
-        """As `read_claim` reads it."""
+        """The claim as a text that `read_claim` reads."""
         lower, upper = (_joined(end) if math.isfinite(end[0]) else "" for end in (self.lower, self.upper))
         color = f" {self.color}" if self.color else ""
         box = f" in {_joined(self.box)}" if self.box else ""

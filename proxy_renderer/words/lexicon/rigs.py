@@ -50,7 +50,7 @@ class RigLight:
 
     @property
     def is_warm(self) -> bool:
-        """True if people call it warm."""
+        """True if its color temperature is one that people call warm."""
         return 0.0 < self.kelvin < 4200.0
 
 
