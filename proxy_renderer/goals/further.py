@@ -322,7 +322,7 @@ def _finish_direction(effect: Effect) -> float:
 
 
 def _effect_moved(effect: Effect, way: float, factor: float) -> Effect:
-    """An effect that multiplies its parameter by `factor` or, if that is 0, moves it `way` steps in its direction."""
+    """`effect`, changed to multiply its parameter by `factor` or, if that is 0, to move it by `way` of its steps."""
     parameter = FAMILIES[effect.family]
     if not factor:
         rises = effect.mode == "times" and effect.lower[0] * effect.upper[0] > 1.0

@@ -251,7 +251,7 @@ def _look_word(
 
 
 def _candidates(reading: PromptReading, number: int, target: str) -> tuple[Candidate, ...]:
-    """The `target` of look word `number`, then the others, the likeliest first; "not used" is offered by the menu."""
+    """The `target` of look word `number`, then other targets, the likeliest first; the menu adds "not used"."""
     chosen = reading.chosen[number]
     found = {target: 0.0}
     for pair, probability in reading.probabilities[number]:

@@ -274,7 +274,7 @@ def _attributes(read: PromptReading, pair: TargetPair, entry: str, thing: Attrib
 
 
 def _thing(read: PromptReading, pair: TargetPair) -> Attribute:
-    """The target of a pair as an attribute without a word; a target with a surface is added to `read.mentioned`."""
+    """The target of a pair as an attribute with an empty word; one with a surface is added to `read.mentioned`."""
     target, slot, word = pair.target, pair.sense.slot, pair.look.token.text
     kind, is_named = target.kind, target.mention >= 0
     if kind in MATTER:

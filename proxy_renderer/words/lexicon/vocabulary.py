@@ -104,7 +104,7 @@ class Vocabulary:
 
 @cache
 def shipped_vocabulary() -> Vocabulary:
-    """The vocabulary that is shipped, with the words of the rigs."""
+    """The shipped vocabulary, with the words of the rigs and phrases for hours."""
     folder = Path(__file__).parent
     text, colors = (folder / name for name in ("vocabulary.toml", "colors.txt"))
     vocabulary = load(text.read_text("utf-8"), colors.read_text("utf-8"))
