@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Goals of a further sentence, which are relative to the image that it goes on from."""
+"""Goals of a further sentence such as "a bit warmer", which are relative to the image that it goes on from."""
 
 import math
 import re
@@ -19,29 +19,30 @@ from .resolve import Goals, resolved
 from .wish import Wish, wishes_of
 
 _OF = re.compile(r"\b(?:for|on|of|to) (?:the|her|his|its|this|that) (?:\w+ ){0,2}?(\w+)(?=$|[,;.]| instead\b)", re.I)
-_NOUN = r"\b(?:the|her|his|its|my|these|those) (?:\w+ )?{}\b"  # an ignored word that can only be a noun
+_NOUN = r"\b(?:the|her|his|its|my|these|those) (?:\w+ )?{}\b"  # {}: an ignored word, shown to be a noun
 _BARE = ("more", "less", "a bit more", "a bit less", "much more", "much less")
 _SIDES = ("front", "back", "rear", "side", "behind")
 _OF_SOMETHING = ("stronger", "weaker")  # comparatives that say nothing without a noun
 _SMALL = re.compile(r"\b(?:bit|little|slightly|subtly|gently)\b")
 _LARGE = re.compile(r"\b(?:much|very|strongly|far|extremely)\b")
-_NOTICED = 2.0  # noticeable differences in one step; for warmth one step is a cast of about 3 ΔE
+_NOTICED = 2.0  # noticeable steps of a measure for one of `_steps`; for warmth, one of `_steps` is a cast of about 3 ΔE
 _LEAST, _MOST = 0.8, 1.3  # shares of the requested change between which a word is satisfied
-_REACH = 0.07  # share of its range by which a value may move for one step, up or down
-_BRIGHTER = 2.0**0.5  # factor of one step for values on a log scale that no measure reads: half a stop
+_REACH = 0.07  # share of a parameter's range by which its value may move, up or down, for one of `_steps`
+_BRIGHTER = 2.0**0.5  # factor for one of `_steps` on a value of a log scale that no measure reads: half a stop
 _WARMER = 1.17  # the same for a color temperature: 6500 K to 5600 K
-_NO_AMOUNTS = ("hardness", "light_color", "cast")  # quantities of which no number is twice as much
+_NO_AMOUNTS = ("hardness", "light_color", "cast")  # quantities for which "twice as much" means no number
 _EXACT = 0.01  # share by which "twice as much" may be missed
 
 
 def further(
     goals: Goals, vocabulary: Vocabulary, scene: SceneDescription, factor: float = 0.0, text: str = ""
 ) -> Goals:
-    """Goals of a sentence that goes on from an image of a scene.
+    """Goals of a further sentence, which are relative to the present image of a scene and keep the rest of that image.
 
     Args:
-        factor: 2 in "twice as much fog"; 0 if the sentence has none.
-        text: The sentence from the word that the factor is of.
+        goals: The goals of the sentence, read like a prompt that stands alone.
+        factor: The amount in the sentence: 2 for "twice as much fog", 0.5 for "half as red"; 0 if it names none.
+        text: The sentence from the word that the factor belongs to: "more fog"; "" without a factor.
     """
     every = (*goals.wishes, *(each.wish for each in goals.lost))
     originals = goals.parsed.attributes
@@ -49,7 +50,7 @@ def further(
     compared = [a for a in attributes if not a.cause and compares(a, (), vocabulary)]
     # "less yellow, more like rose gold" asks for rose gold
     named = {a.owners for a in attributes if a.slot in ("color", "material") and a not in compared and not a.cause}
-    # of "half as red, more contrast" the red
+    # the word that the factor belongs to: "red" of "half as red, more contrast"
     first = next((a for a in compared if text.startswith(a.word)), None)
     said, wishes, notes = list[Attribute](), list[Wish](), list(goals.parsed.notes)
     for original, attribute in zip(originals, attributes, strict=True):
@@ -78,7 +79,7 @@ def further(
 
 
 def _why_not(attribute: Attribute, goals: Goals) -> str:
-    """The reason to leave out a word of a further sentence, as that its object is not in the scene; "" if it is used."""
+    """The reason to leave out a word of a further sentence, such as an object that the scene lacks; "" to use it."""
     if attribute.word in _BARE:
         return "the sentence does not name what there is to be more or less of"
     if attribute.word in _SIDES:  # "front" of "front car" is no light
@@ -98,7 +99,7 @@ def _why_not(attribute: Attribute, goals: Goals) -> str:
 
 
 def _places(goals: Goals) -> list[Attribute]:
-    """Words of a sentence that only name a place of the image: "trees" in "between the trees", "rock" in "green on the rock"."""
+    """The words that only name a place in the image: "trees" in "between the trees", "rock" in "green on the rock"."""
     text = goals.parsed.prompt.lower()
     settings = (a for a in goals.parsed.attributes if a.slot == "setting" and f"the {a.word.split()[-1]}" in text)
     nouns = {noun.lower() for noun in _OF.findall(text)}
@@ -109,14 +110,17 @@ def _places(goals: Goals) -> list[Attribute]:
 
 
 def _absent(goals: Goals) -> list[str]:
-    """The nouns of a sentence that the scene has nothing for: "screens" in "let the screens glow"."""
+    """Nouns that name nothing in the scene ("screens" in "let the screens glow"), then the words of `_places`."""
     text = goals.parsed.prompt.lower()
     unread = [noun for noun in goals.parsed.ignored if thing_words().get(noun) or re.search(_NOUN.format(noun), text)]
     return [*unread, *(a.word for a in _places(goals)), *goals.parsed.absent]
 
 
 def _fixture(attribute: Attribute, scene: SceneDescription) -> tuple[str, ...]:
-    """The lights that a word is about: all lights and glows of that name, as a lamp is often a light in a bulb that glows."""
+    """Names of all lights and glows that `attribute.thing` names: a lamp is often a light inside a bulb that glows.
+
+    () if the word is about a role of lights, about the sky, or about no light with that name.
+    """
     noun = {singular(word) for word in attribute.thing.lower().split()}
 
     def is_called_so(name: str) -> bool:
@@ -132,7 +136,10 @@ def _fixture(attribute: Attribute, scene: SceneDescription) -> tuple[str, ...]:
 
 
 def _as_light(attribute: Attribute, lights: tuple[str, ...], vocabulary: Vocabulary) -> Attribute:
-    """A word about these lights: "brighter" of a lamp is about its light, not the paint of its base."""
+    """The attribute, bound to `lights` in its word's sense for light: "brighter" of a lamp is about light, not paint.
+
+    Unchanged without `lights`, or if the word has no such sense.
+    """
     if lights and attribute.lights:
         return replace(attribute, lights=lights)
     if not lights or attribute.slot not in ("color", "lighting"):
@@ -146,12 +153,12 @@ def _as_light(attribute: Attribute, lights: tuple[str, ...], vocabulary: Vocabul
 
 
 def _is_noun_of(attribute: Attribute, compared: Attribute) -> bool:
-    """True if a word only names what a comparative word describes: in "fog thinner" nobody asks for fog."""
+    """True if `attribute` only is the noun that `compared` describes: "fog" in "fog thinner", which asks for no fog."""
     return attribute is not compared and attribute.word == compared.thing and attribute.slot == "atmosphere"
 
 
 def _changes_own_light(attribute: Attribute) -> bool:
-    """True if a word changes power or color of lights that the scene has: "lamp off"; not for a direction, a setup, or a new light."""
+    """True if a word changes power or color of lights in the scene ("lamp off"), not their direction or setup."""
     table = rig_table()
     modifier = table.modifier(attribute.entry)
     turns = modifier is not None and "direction" in modifier.aspects
@@ -163,17 +170,17 @@ _TINTED = {
     "thing": ("material", "base_color", "tint"), "sky": ("world", "color", "tint"),
     "light": ("lights", "color", "temperature"),
 }  # fmt: skip
-"""Kind of a target -> owner and names of the parameters that make it more or less of a color."""
-_ALIKE = 0.87  # cosine of the angle of hue up to which two colors count as one: 30 degrees
+"""Kind of a target -> the owner of the parameters that move it toward a color, then the names of these parameters."""
+_ALIKE = 0.87  # least cosine of the angle between two hues that count as one: 30 degrees
 _GRAYISH = 0.03  # OKLab chroma below which a color has no hue
 _MIXED = {1.0: 0.2, 2.0: 0.4, 4.0: 0.75}
-"""Steps of a comparative color word -> the share of the way to that color, or of that color which is taken away."""
+"""`_steps` of a color word -> share of the way to move to its color ("redder"), or of it to remove ("less red")."""
 
 
 def _recolored(attribute: Attribute, vocabulary: Vocabulary, scene: SceneDescription, factor: float) -> Iterator[Wish]:
-    """The wish of a comparative color: "a redder wall" is nearer to red than it is, "less pink" has less of the pink.
+    """Yields the wish of a comparative color: "redder" moves the present color toward red, "less pink" removes pink.
 
-    Where the present color is not known, the tint of the object, of the sky or of the image moves that way.
+    If the present color is unknown, the tint of the object, sky or image moves that way. `factor`: as for `further`.
     """
     assert attribute.color
     steps = _steps(attribute.word)
@@ -190,7 +197,7 @@ def _recolored(attribute: Attribute, vocabulary: Vocabulary, scene: SceneDescrip
 
 
 def _tinted(attribute: Attribute, steps: float) -> Iterator[Wish]:
-    """The wish that a tint moves by `steps` toward the color of a word; none for black, gray and white."""
+    """Yields the wish that a tint moves by `steps` toward the color of a word (away if below 0); none for a gray."""
     assert attribute.color
     _, a, b = oklab_from_srgb(attribute.color)
     if math.hypot(a, b) < _GRAYISH:
@@ -211,9 +218,9 @@ def _tinted(attribute: Attribute, steps: float) -> Iterator[Wish]:
 
 
 def _color_of(attribute: Attribute, scene: SceneDescription) -> Values | None:
-    """Present color of what a word describes, of its largest material; None if no color is known.
+    """Present color, sRGB, of the largest material that a word describes; None if it is unknown.
 
-    A word that names no object is about the subject only if that has such a color.
+    A word that names no object describes the subject, if the subject's color has about the word's hue; else None.
     """
     materials = attribute.owners or [
         n for n, region in scene.materials.items() if region == attribute.region == "subject"
@@ -229,14 +236,14 @@ def _color_of(attribute: Attribute, scene: SceneDescription) -> Values | None:
 
 
 def _mixed(present: Values, named: Values, share: float) -> Values:
-    """A color, sRGB, moved by a share of the way to another in OKLab; its lightness stays nearer to its own."""
+    """`present`, moved in OKLab by `share` of the way to `named`, its lightness by half of that; colors are sRGB."""
     rows = zip(oklab_from_srgb(present), oklab_from_srgb(named), (0.5 * share, share, share), strict=True)
     light, a, b = (v + part * (w - v) for v, w, part in rows)
     return srgb_from_oklab((light, a, b))
 
 
 def _toned_down(present: Values, named: Values, share: float) -> Values:
-    """A color, sRGB, without a share of what it has of another hue, in OKLab; a color of about that hue only gets grayer."""
+    """`present` without `share` of its chroma along the hue of `named` in OKLab; all colors are sRGB."""
     light, a, b = oklab_from_srgb(present)
     _, x, y = oklab_from_srgb(named)
     along = max(a * x + b * y, 0.0) / max(x * x + y * y, 1e-9)
@@ -246,21 +253,23 @@ def _toned_down(present: Values, named: Values, share: float) -> Values:
 
 
 def _names_light_of(attribute: Attribute, compared: Attribute) -> bool:
-    """True if a word only names the light of a comparative word: in "the window light a bit darker" nobody asks for a window."""
+    """True if `attribute` only names the light that `compared` changes: "window light" in "the window light darker"."""
     same = bool(attribute.lights) and {*attribute.lights} <= {*compared.lights}
     return attribute.slot == "lighting" and (same or bool(attribute.role and attribute.role == compared.role))
 
 
 def _beside(claim: ClaimText) -> ClaimText:
-    """A claim with a sufficient change, turned into a claim for 1 to 2.5 noticeable steps that way; other claims as they are."""
+    """A claim for 1 to 2.5 noticeable steps in the direction of `claim.change`; a claim without `change` as it is."""
     ends = (1.0, 2.5) if (claim.change or 0.0) > 0.0 else (-2.5, -1.0)
     return replace(claim, lower=ends[:1], upper=ends[1:], change=None, by=True) if claim.change else claim
 
 
 def _compared(attribute: Attribute, vocabulary: Vocabulary, factor: float, noun: Attribute | None) -> Iterator[Wish]:
-    """At most one wish of a comparative word: the change of one measure, or without a measure of the parameters themselves.
+    """Yields at most one wish of a comparative word: to change one measure or, if nothing measures it, the parameters.
 
-    `noun` is the word for what it describes: thin fog has less fog than "fog", so "fog thinner" asks for less.
+    Args:
+        factor: As for `further`.
+        noun: The noun that the word describes, if that is a look word: "fog thinner" asks for less than "fog".
     """
     plain = wishes_of([replace(attribute, strength=1.0)], vocabulary)
     main = next((wish for wish in plain if wish.claims), next((wish for wish in plain if wish.effects), None))
@@ -292,7 +301,11 @@ def _compared(attribute: Attribute, vocabulary: Vocabulary, factor: float, noun:
 
 
 def _around(effect: Effect, noticed: float, way: float) -> Effect:
-    """An effect that lets its parameter move around its value; sizes of lights and finishes move only in the word's direction."""
+    """An effect that lets the parameter of `effect` move around its present value, by `_REACH` for each step.
+
+    Sizes of lights move only along the sign of `noticed` (steps of the measure), finishes only along that of `way`
+    (steps of the word).
+    """
     reach = _REACH * abs(noticed) / _NOTICED
     towards = noticed if effect.name in ("size", "angle") else way * _finish_direction(effect)
     down, up = (0.0 if towards > 0.0 else reach), (0.0 if towards < 0.0 else reach)
@@ -300,7 +313,7 @@ def _around(effect: Effect, noticed: float, way: float) -> Effect:
 
 
 def _finish_direction(effect: Effect) -> float:
-    """1 if an effect raises a value of a finish, -1 if it lowers the value; 0 for other effects, and if the default lies in its range."""
+    """1 if an effect raises a material's value from its default, -1 if it lowers it; 0 for all other effects."""
     parameter = FAMILIES[effect.family]
     if parameter.group != "material" or parameter.components > 1 or effect.mode:
         return 0.0
@@ -313,7 +326,7 @@ def _finish_direction(effect: Effect) -> float:
 
 
 def _effect_moved(effect: Effect, way: float, factor: float) -> Effect:
-    """An effect that moves its parameter by a factor, or, if that is 0, by `way` steps in the effect's own direction."""
+    """`effect`, changed to multiply its parameter by `factor` or, if that is 0, to move it by `way` of its steps."""
     parameter = FAMILIES[effect.family]
     if not factor:
         rises = effect.mode == "times" and effect.lower[0] * effect.upper[0] > 1.0
@@ -334,7 +347,7 @@ def _steps(word: str) -> float:
 
 
 def _is_less_than(wish: Wish, noun: Attribute, vocabulary: Vocabulary) -> bool:
-    """True if a wish asks for lower values than the noun alone does."""
+    """True if a wish asks for lower parameter values than `noun` alone; False if they have no parameter in common."""
     plain = {e.family: e for each in wishes_of([noun], vocabulary) for e in each.effects if not e.weak}
     pairs = [(e, plain[e.family]) for e in wish.effects if e.family in plain]
     return bool(pairs) and all(sum(e.lower + e.upper) < sum(p.lower + p.upper) for e, p in pairs)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Comparative words such as "colder" next to a reference image: they are relative to its values."""
+"""Comparative words such as "colder" in a prompt with a reference image: they are relative to the image's values."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -17,7 +17,7 @@ _LIGHTER = {
     "black_point": (0.2,), "lower_quartile": (0.8,), "median": (1.0,), "upper_quartile": (0.8,),
     "white_point": (0.2,), "lightness": (1.0,),
 }  # fmt: skip
-"""Measure of tone -> L* by which it moves for one L* of lightness. The ends move less: a lighter image keeps its black."""
+"""Measure of tone -> L* by which it moves if the lightness moves by 1 L*. Black and white points move less."""
 _MOVED: Mapping[str, Mapping[str, tuple[float, ...]]] = {
     "lightness": _LIGHTER,
     "warmth": dict.fromkeys(CASTS, _WARMER),
@@ -38,9 +38,10 @@ _ENOUGH = 0.8  # share of the full move that satisfies a comparative word
 def goals_with_picture(goals: Goals, vocabulary: Vocabulary) -> Goals:
     """Goals in which the claims of words and of a reference image agree; without a reference image the same goals.
 
-    A word may ask for more or less of a measure than the reference image has. The image's claims about that measure then move along:
-    to where the word is satisfied, or, for a comparative word such as "colder", by a clearly visible amount. A comparative word is
-    then measured against the reference image. If several words move one measure of one part, the first in rank counts.
+    A word may ask for more or less of a measure than the reference image has. Then the image's claims about that
+    measure move: to where the word is satisfied or, for a comparative word such as "colder", by a clearly visible
+    amount. A comparative word is measured against the reference image. If several words move one measure of one part
+    of the image, the first in rank counts.
     """
     facts = (claim for wish in goals.pictured for claim in wish.claims if not claim.weight)
     has = {(fact.part, fact.measure): fact.lower[0] for fact in facts if fact.lower == fact.upper}
@@ -59,7 +60,10 @@ def goals_with_picture(goals: Goals, vocabulary: Vocabulary) -> Goals:
 def _relative(
     claim: ClaimText, wish: Wish, compares: bool, has: Mapping[Axis, float], ways: dict[Axis, float]
 ) -> ClaimText:
-    """A word's claim next to a reference image; adds to `ways`, by part and measure, how far the word moves the image's value."""
+    """A word's claim, relative to the reference image's value `has[part, measure]` if `compares`; else the same claim.
+
+    Also sets `ways[part, measure]`: the distance by which the word moves the reference image's value of that measure.
+    """
     axis = wish.part_of(claim), claim.measure
     own = None if claim.part == "thing" and wish.attribute.owners else has.get(axis)
     if own is None or not (compares or claim.measure in _MOVED):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The one place that decides which word wins: it finds wishes that contradict each other, and makes goals of the winners."""
+"""The one place that decides which word wins: finds contradicting wishes, and makes goals of the winners."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ _SETTLED = {
     "color": ("cast", "lightness", "mean"),
     "burnt": ("white_point",),
 }
-"""Measure of a word -> measures of the same part that it decides too: claims of a reference image about them are dropped."""
+"""Measure that a word claims -> measures of the same part about which claims of a reference image are dropped, too."""
 _MATTER = ("color", "finish", "substance", "glow")
 
 
 def contradicts(first: Wish, later: Wish) -> bool:
-    """True if a wish contradicts the wish `first`, which ranks before it."""
+    """True if the wish `later` contradicts the wish `first`, which ranks before it."""
     a, b = first.attribute, later.attribute
     if a is b or first.word == later.word or a.is_of_another_light(b):
         return False
@@ -162,7 +162,7 @@ def _warmth(wish: Wish) -> int:
 
 
 def _ruled_out(color: Wish, wish: Wish) -> bool:
-    """True if a named color rules out another wish: in front of a purple background a forest is not green."""
+    """True if the named color of `color` rules out another wish: with a purple background, a forest is not green."""
     kind = color.attribute.kind
     of_style = wish.vague and wish.quantity == "saturation"  # "film noir" with orange lamps is not gray
     if (wish.implied or wish.usual or of_style) and _impossible(color, wish.quantity, wish.toward):
@@ -179,7 +179,7 @@ def _ruled_out(color: Wish, wish: Wish) -> bool:
 
 
 def _impossible(color: Wish, quantity: str, named: str) -> bool:
-    """True if an image cannot have a class of a quantity where a target has this named color."""
+    """True if an image cannot have the class `named` of a quantity, given the named color of `color` at its target."""
     light, a, b = lab = lab_from_srgb(color.attribute.color or ())
     attribute, strong = color.attribute, chroma(lab)
     around = attribute.kind == "surroundings" and not attribute.owners
@@ -198,7 +198,7 @@ def _impossible(color: Wish, quantity: str, named: str) -> bool:
 
 
 def _opposed(wish: Wish, lab: Lab) -> bool:
-    """True if a wish asks for light of a hue opposite to a named color: for warm light where the light is named blue."""
+    """True if a wish asks for light of a hue opposite to the color `lab`: for warm light if it is named blue."""
     strong, warmth = chroma(lab), warm(*lab[1:])
     if strong <= _GRAY:
         return False
@@ -228,7 +228,7 @@ def _is_tinted(wish: Wish) -> bool:
 
 
 def _is_recolored(color: Wish, material: Wish) -> bool:
-    """True if a named color has another hue than a material of the same target: copper is not blue."""
+    """True if the named color of `color` has another hue than the color of the wish `material`: copper is not blue."""
     if not color.attribute.color or color.quantity not in PAINTED or material.quantity != "color":
         return False
     own = _own_color(material, weak=color.attribute.thing == material.attribute.thing)
@@ -236,7 +236,7 @@ def _is_recolored(color: Wish, material: Wish) -> bool:
 
 
 def _own_color(wish: Wish, weak: bool) -> Values | None:
-    """The color, sRGB, of a wish's material; None if the material has none. A weak color (only a default) counts if `weak`."""
+    """The color, sRGB, of a wish's material; None if it has none. Weak colors (mere defaults) count if `weak`."""
     for e in wish.effects:
         if e.family == "material/tint" and e.color[:1] == "#" and (weak or not e.weak):
             return srgb_from_hex(e.color)
@@ -252,7 +252,7 @@ class Lost:
 
     @property
     def is_news(self) -> bool:
-        """True if it is worth a note to the artist: the prompt says both, and neither is implied, usual or of a reference image."""
+        """True if the artist needs a note: both are in the prompt, and neither is implied, usual or of an image."""
         return not any(w.implied or w.usual or w.of_picture for w in (self.wish, self.winner))
 
     def __str__(self) -> str:
@@ -261,13 +261,13 @@ class Lost:
 
 @dataclass(frozen=True)
 class Goals:
-    """Goals for the image: the bound prompt, the wishes that are sought, in the order of the prompt, and the overridden ones."""
+    """Goals for the image: the bound prompt, the sought wishes in its order, and the overridden wishes."""
 
     parsed: Parsed
     wishes: tuple[Wish, ...] = ()
     lost: tuple[Lost, ...] = ()
     shown: tuple[Wish, ...] = ()  # wishes about how the light of a rig looks in the image
-    holds: bool = False  # whether they go on from an image, whose rest stays as it is, see `further`
+    holds: bool = False  # whether the rest of the present image stays as it is, see `further`
 
     @cached_property
     def pictured(self) -> tuple[Wish, ...]:
@@ -309,14 +309,14 @@ def goals_of(parsed: Parsed, vocabulary: Vocabulary | None = None) -> Goals:
 
 
 def resolved(parsed: Parsed, wishes: Sequence[Wish]) -> Goals:
-    """Goals of wishes: in order of rank, each wish is kept unless it contradicts one that is kept already."""
-    # Ids of the words that have lost all visible wishes and drop the others, too; wishes that these had overridden can then win
+    """The goals of `wishes`: in order of rank, each wish is kept unless it contradicts one that is kept already."""
+    # Ids of words whose visible wishes are all lost; their other wishes are dropped, so that others can win
     idle: set[int] = set()
     ranked = sorted(wishes, key=lambda each: each.rank)  # equal ranks stay in the order of the prompt
     kept, lost = list[Wish](), list[Lost]()
 
     def compete(wish: Wish, winner: Wish | None = None) -> None:
-        """Keeps a wish, unless there is a winner already or among the wishes that are kept."""
+        """Adds a wish to `kept`; to `lost`, if `winner` is given or the wish and a kept one contradict each other."""
         pairs = ((each, sorted((each, wish), key=lambda w: w.rank)) for each in kept)
         winner = winner or next((each for each, pair in pairs if contradicts(*pair)), None)
         if winner is None:

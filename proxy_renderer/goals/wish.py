@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A wish: the request of one word about one quantity. Parameter ranges and claims about the image are computed from it."""
+"""A wish: the request of one word about one quantity. Parameter ranges and claims about the image are made from it."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -15,7 +15,7 @@ from ..words.lexicon.vocabulary import Vocabulary
 from ..words.types import Attribute, Part
 
 _OWN = {"material": ("color", "substance", "glow"), "atmosphere": ("haze", "haze_color"), "setting": ()}
-"""Slot -> the quantities that its words are about. For all other quantities they say what is usual, which other words override:
+"""Slot -> the quantities that its words are about. On other quantities, they say what is usual, and other words win:
 a rainy day is gray, but not if the prompt calls it golden; gold is shiny, but not if the prompt calls it matte."""
 PAINTED = ("color", "surroundings_color")  # quantities whose classes are basic colors
 
@@ -24,11 +24,11 @@ PAINTED = ("color", "surroundings_color")  # quantities whose classes are basic 
 class Wish:
     """The request of one word, or of a reference image, about one quantity."""
 
-    attribute: Attribute  # the word, with what it describes: source and target
+    attribute: Attribute  # the word that asks, with the target that it describes
     quantity: str  # name in `quantities.toml`
     named: str = ""  # the class that it asks for, as "glossy"; "" if it asks for none
     toward: str = ""  # `named`, or if that is "" the class of its entry: "slightly muted" is toward "muted"
-    effects: tuple[Effect, ...] = ()  # on parameters; of a color word, those of colors on such a target
+    effects: tuple[Effect, ...] = ()  # on parameters; of a color word, the effects of any color on its kind of target
     claims: tuple[ClaimText, ...] = ()  # about the image, those of the class last
     strength: float = 1.0  # 1 for the plain word, less for "slightly" and some negated words, more for "very"
     breadth: int = 0  # number of claims of its word, each measure and part once: fewer claims win a conflict
@@ -41,7 +41,7 @@ class Wish:
 
     @property
     def about(self) -> Quantity:
-        """Its quantity."""
+        """The row of the wish's quantity in the table of quantities."""
         return quantities().by_name[self.quantity]
 
     @property
@@ -55,12 +55,12 @@ class Wish:
         return self.attribute.slot == PICTURE
 
     def asked_of(self, claim: ClaimText) -> ClaimText:
-        """One of the wish's claims, adapted to its strength: implied and soft words are satisfied sooner."""
+        """`claim`, adapted to the strength of the wish's word: implied and soft words are satisfied sooner."""
         strength = self.attribute.strength
         return claim.of_strength(strength, self.implied or strength < _SOFT)
 
     def part_of(self, claim: ClaimText) -> Part:
-        """The part of the image that one of the wish's claims is about."""
+        """The part of the image that `claim` is about; for "thing", the part that the wish's word describes."""
         return self.attribute.part if claim.part == "thing" else cast(Part, claim.part)
 
     @property
@@ -76,7 +76,7 @@ class Wish:
 
     @cached_property
     def usual(self) -> int:
-        """0 for what a word says, 1 for what a material or weather usually has, 2 for what a place usually has."""
+        """0 if the word itself asks for it, 1 if a material or weather usually has it, 2 if a place usually has it."""
         slot = self.attribute.slot
         if slot not in _OWN or self.quantity in _OWN[slot]:
             return 0
@@ -88,10 +88,10 @@ class Wish:
     def rank(self) -> tuple[bool, bool, int, bool, bool, int, bool, int, int]:
         """The sort key of a conflict: the smallest wins.
 
-        Of two wishes, the first of these rules that applies decides: a word before a reference image; any wish before a default; what
-        a word says before what is usual; said before implied; a word about one light or object before one about all. Then a named
-        color comes before the color of a material, and a mere change of the present color last. Last come words that are not vague
-        before vague ones, fewer claims before more, and the main effect of a word before its others.
+        The first of these rules that applies decides: a word before a reference image; any wish before a default; what
+        a word says before what is usual; said before implied; a word about one light or object before one about all.
+        Then a named color comes before the color of a material, and a mere change of the present color last. The last
+        rules: words that are not vague before vague ones, fewer claims before more, a word's main effect before others.
         """
         default = not self.is_seen and all(e.weak for e in self.effects)
         general = not self.attribute.of_one_light
@@ -117,7 +117,7 @@ _OF_COLORS = {
 
 
 def wishes_of(attributes: Iterable[Attribute], vocabulary: Vocabulary) -> list[Wish]:
-    """The wishes of words, in their order."""
+    """All wishes of the look words `attributes`, in the order of the words."""
     return [wish for attribute in attributes for wish in _of_word(attribute, vocabulary)]
 
 
@@ -167,12 +167,12 @@ def _wish(own: EntryWish, attribute: Attribute, strength: float) -> Wish:
 
 
 def _allowed(effects: Iterable[Effect], attribute: Attribute) -> tuple[Effect, ...]:
-    """The effects on parameters that a word of this slot may change: a mood changes no materials."""
+    """Those of `effects` whose parameters a word of the attribute's slot may change: a mood changes no materials."""
     return tuple(e for e in effects if may_serve(OWNERS[e.owner], attribute.slot, attribute.cause))
 
 
 def _denied(entry: VocabularyEntry, vocabulary: Vocabulary) -> list[EntryWish]:
-    """The wishes of a negated word: the entry's own `never` wishes, else its opposite's, else effects that change nothing."""
+    """Wishes of a negated word: the entry's `never` wishes, else its opposite's, else effects that set the defaults."""
     opposite = vocabulary.opposite(entry)
     # An opposite may have classes in common with the word: pastel and noir are both muted.
     shared = entry.classes.items() & opposite.classes.items() if opposite else set()

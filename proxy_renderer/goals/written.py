@@ -33,7 +33,7 @@ _TYPES = {
 
 
 class JsonFields:
-    """Takes and checks the fields of a JSON object. Messages name the object's place in the file, as "goals.words[2]"."""
+    """Takes and checks the fields of a JSON object; a wrong one raises VibeError with the `place`: "goals.words[2]"."""
 
     def __init__(self, raw: Any, place: str) -> None:
         if not isinstance(raw, dict):
@@ -42,7 +42,7 @@ class JsonFields:
         self._taken: set[str] = set()
 
     def take(self, name: str, kind: type, default: Any = None) -> Any:
-        """The value of a field. VibeError if it has another type, or is missing and has no default."""
+        """The value of field `name`, which has to be of type `kind`; `default` if the field is missing."""
         self._taken.add(name)
         value = self.raw.get(name, default)
         if value is None:
@@ -54,14 +54,14 @@ class JsonFields:
         return value
 
     def named(self, name: str) -> str:
-        """A text that is not empty."""
+        """The text of field `name`, which has to be there and not empty."""
         value: str = self.take(name, str)
         if not value.strip():
             raise VibeError(f"{self.place}.{name} is empty.", "Write a word.")
         return value
 
     def number(self, name: str, default: float, least: float = -math.inf, most: float = math.inf) -> float:
-        """A finite number from `least` to `most`; the default if the field is missing."""
+        """The number of field `name`, from `least` to `most`; `default` if the field is missing."""
         value: float = self.take(name, float, default)
         if not least <= value <= most:
             remedy = f"Write a number from {least:g} to {most:g}."
@@ -69,7 +69,7 @@ class JsonFields:
         return value
 
     def choice(self, name: str, known: tuple[str, ...], default: str | None = None) -> str:
-        """A text that has to be one of the known ones."""
+        """The text of field `name`, which has to be one of `known`; `default` if the field is missing."""
         value: str = self.take(name, str, default)
         if value not in known:
             remedy = f"Choose from: {', '.join(known)}."
@@ -77,21 +77,21 @@ class JsonFields:
         return value
 
     def texts(self, name: str) -> list[str]:
-        """A list of texts; empty if the field is missing."""
+        """The list of texts of field `name`; empty if the field is missing."""
         values: list[Any] = self.take(name, list, [])
         if not all(isinstance(value, str) for value in values):
             raise VibeError(f"{self.place}.{name} holds something else than texts.", 'Write ["...", "..."].')
         return values
 
     def numbers(self, name: str) -> tuple[int, ...]:
-        """A list of whole numbers; empty if the field is missing."""
+        """The whole numbers of field `name`; empty if the field is missing."""
         values: list[Any] = self.take(name, list, [])
         if not all(isinstance(value, int) and not isinstance(value, bool) for value in values):
             raise VibeError(f"{self.place}.{name} holds something else than whole numbers.", "Write [1, 2].")
         return tuple(values)
 
     def shades(self) -> tuple[tuple[float, float, float, float], ...]:
-        """The field "shades", changes of a material's own color: four numbers each; empty if the field is missing."""
+        """The field "shades": rows of four arguments of `color.shade`, for a material's own color; empty if missing."""
         rows: list[Any] = self.take("shades", list, [])
         if not all(
             isinstance(row, list) and len(row) == 4 and all(_is_number(v) and abs(v) <= 200.0 for v in row)
@@ -102,7 +102,7 @@ class JsonFields:
         return tuple((float(a), float(b), float(c), float(d)) for a, b, c, d in rows)
 
     def each(self, name: str, read_text: Callable[[str], T]) -> tuple[T, ...]:
-        """The texts of a field, each read by `read_text`; an error gets the field's place in front of its message."""
+        """The texts of field `name`, each read by `read_text`; messages of its errors begin with the field's place."""
         try:
             return tuple(map(read_text, self.texts(name)))
         except VibeError as error:
@@ -131,7 +131,7 @@ _HELP = "Write a new file with `vibe explain PROMPT --goals`, and change that; d
 
 
 def as_json(goals: Goals) -> dict[str, Any]:
-    """Goals as a JSON object: the words, each with its target and its wishes, and which wishes are overridden by which word."""
+    """Goals as a JSON object: each word with its target and wishes, and for each overridden wish the word that wins."""
     wishes = [*goals.wishes, *(each.wish for each in goals.lost)]
     won = {id(each.wish): each.winner.word for each in goals.lost}
     words = {id(a): a for a in (*goals.parsed.attributes, *(wish.attribute for wish in wishes))}
@@ -192,21 +192,21 @@ class WrittenGoals:
     """Goals from a file that are not bound to a scene yet."""
 
     prompt: str
-    objects: tuple[PromptObject, ...]  # that the prompt names; if none, the scene's subject is taken
+    objects: tuple[PromptObject, ...]  # objects that the prompt names; if none, the scene's subject is taken
     stays: tuple[str, ...]  # owners of parameters that stay as they are
     wishes: tuple[Wish, ...]
-    attributes: tuple[Attribute, ...]  # all words, also those without wishes, as names of rigs
-    holds: bool = False  # whether the rest of the image stays
+    attributes: tuple[Attribute, ...]  # all words, also those without wishes, such as names of rigs
+    holds: bool = False  # whether the rest of the image stays as it is
 
     def within(self, words: SceneDescription) -> Goals:
-        """The goals, bound to a scene, with notes on what is missing in it."""
+        """The goals, bound to the scene that `words` describes, with notes on materials and lights that it lacks."""
         known = {*words.lights, *(f"{GLOW}{name}" for name in words.glows)}
         bound, gone, notes = dict[int, Attribute](), set[int](), list[str]()
         for a in self.attributes:
             owners = tuple(name for name in a.owners if name in words.materials)
             lights = tuple(name for name in a.lights if name in known)
             bound[id(a)] = replace(a, owners=owners, lights=lights)
-            # A word for what the scene lacks describes the whole region or kind; a statement of a reference image is left out.
+            # A word for what the scene lacks describes the whole region or kind; a reference image's word is left out.
             left_out = a.slot == PICTURE and a.owners and not owners
             gone |= {id(a)} if left_out else set()
             missing = [name for name in a.owners if name not in owners]
@@ -222,7 +222,7 @@ class WrittenGoals:
 
 
 def read(path: Path) -> WrittenGoals:
-    """Goals from a file of goals, a preset or a report. Raises VibeError if the file cannot be read, or a field is wrong."""
+    """Goals from a file (goals, preset or report). Raises VibeError if it cannot be read or a field is wrong."""
     try:
         if path.stat().st_size > _LARGEST:
             raise VibeError(f"The goals {path} are larger than {_LARGEST // 1_000_000} MB.", _HELP)

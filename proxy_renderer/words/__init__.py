@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reading: from a sentence to bound attributes."""
+"""Reads a prompt: from its text to attributes, which are look words bound to what they describe."""

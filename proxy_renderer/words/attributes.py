@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The objects of a prompt, from its bound look words; colors with shades; and the lights that a prompt describes."""
+"""The objects of a prompt, from its bound look words; display colors of named colors; and described lights."""
 
 from dataclasses import replace
 
@@ -27,7 +27,7 @@ _KEPT = 0.7  # share of the chroma beyond that
 
 
 def complete(parsed: Parsed, subject: str, things: list[NamedThing], sky: bool = True) -> None:
-    """Fills in the objects of a prompt whose attributes are bound; `sky` says whether the camera sees the sky."""
+    """Fills in `parsed.objects` from its attributes and the nouns `things`; `sky`: whether the camera sees the sky."""
     for number, each in enumerate(parsed.attributes):
         if each.kind == "sky" and each.color and not sky:  # an unseen sky is light: its color is the image's
             parsed.attributes[number] = replace(each, kind="ambience", region="whole")
@@ -55,7 +55,7 @@ def complete(parsed: Parsed, subject: str, things: list[NamedThing], sky: bool =
 
 
 def color_class(attribute: Attribute) -> str:
-    """The basic color of a color word: its own last word where that is one ("light blue")."""
+    """The basic color of a color word: its last word if that is one ("light blue"), else the basic one of its sRGB."""
     last = attribute.entry.rpartition(" ")[2].replace("gray", "grey")
     return last if last in COLORS else basic(attribute.color or (0.5, 0.5, 0.5))
 
@@ -66,7 +66,7 @@ def is_dark(attribute: Attribute) -> bool:
 
 
 def display_color(color: tuple[float, ...], region: Region) -> Lab:
-    """A Lab value that a lit region of a color can reach on the display.
+    """The Lab value that a lit surface of an sRGB color can reach on the display, in this region of the image.
 
     Shading and the view transform's shoulder keep saturated colors from the gamut's corners, and
     nothing lit is as black as its name.
@@ -80,7 +80,7 @@ def display_color(color: tuple[float, ...], region: Region) -> Lab:
 
 
 def fog_color(srgb: Values) -> Values:
-    """The display color of fog of a color: scattering makes it paler, and neither dark nor white."""
+    """The display color, sRGB, of fog of color `srgb`: scattering makes it paler, and neither dark nor white."""
     return shade(srgb, lightness=0.4, chroma=0.6, towards=70.0)
 
 
@@ -88,7 +88,7 @@ def fog_color(srgb: Values) -> Values:
 
 
 def fixture(thing: str, vocabulary: Vocabulary) -> frozenset[str]:
-    """Words of a light's name that say which light is meant; "warm light" and "from the left" have none."""
+    """Words of the noun `thing` that tell which light is meant: {"window"} of "window light"; none of "warm light"."""
     words = thing.split()
     if thing in vocabulary.lists["hour"] or not vocabulary.lists["where"].isdisjoint(words):
         return frozenset()
@@ -97,7 +97,7 @@ def fixture(thing: str, vocabulary: Vocabulary) -> frozenset[str]:
 
 
 def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> dict[int, tuple[int, ...]]:
-    """Place of an item -> the number, from 1, of the light that it describes; other items are left out.
+    """Place of a token -> the number, from 1, of the light that it describes, as (number,); other tokens are left out.
 
     A description begins with the part of a sentence that names a light, and goes on in parts that name nothing else: "a
     softbox from the left, large and warm".
@@ -139,7 +139,7 @@ def light_phrases(passage: Passage, vocabulary: Vocabulary, rigs: RigTable) -> d
 
 
 def is_light(item: Token, rigs: RigTable, vocabulary: Vocabulary, expected: bool = False) -> bool:
-    """True if an item names a light; "one" does where lights are `expected`."""
+    """True if a token names a light; "one" names a light only if lights are `expected`."""
     if (expected and item.text in vocabulary.words["one_of_them"]) or item.noun in LIGHTS:
         return True
     if vocabulary.slot(item.entry) != "lighting":

@@ -29,7 +29,7 @@ _QUOTED = re.compile(r"(?<=')[^']+(?=')")
 
 @dataclass(frozen=True)
 class Piece:
-    """A part of a prompt."""
+    """A part of a prompt with its meaning in English."""
 
     english: str  # its meaning; the text of the prompt if it is unknown
     start: int  # place of its first character
@@ -40,22 +40,22 @@ class Piece:
 
 @dataclass(frozen=True)
 class Gloss:
-    """A prompt in English words."""
+    """A prompt, translated to English words."""
 
     prompt: str  # as the artist wrote it
     english: str  # as it is read
-    language: str = ""  # that it is in; "" for English
+    language: str = ""  # of the prompt, in English: "German"; "" for English
     pieces: tuple[Piece, ...] = ()  # the parts of the prompt that the English words stand for
 
     @property
     def unknown(self) -> list[str]:
-        """Words that neither the language's lexicon nor English knows, nor the scene has, as the prompt says them."""
+        """Words of the prompt that are neither in the language's lexicon, nor English, nor names in the scene."""
         unknown = (p.english for p in self.pieces if p.kind == "unknown")
         return [word for word in unknown if word.isalpha() and len(word) > 1]
 
 
 def gloss(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> Gloss:
-    """A prompt, translated to English word by word; as it is if it is English, or in a language without a lexicon."""
+    """A prompt, translated to English word by word; unchanged if it is English, or in a language without a lexicon."""
     every = (*scene.objects, *scene.materials, *scene.lights, *scene.groups)
     names = frozenset(folded(part) for name in every for part in (*parts(name), name))
     words = _WORDS.findall(text.lower())
@@ -81,7 +81,7 @@ def gloss(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> Gloss:
 def _attempt(
     text: str, lexicon: LanguageLexicon, names: frozenset[str], vocabulary: Vocabulary
 ) -> tuple[int, list[Piece]]:
-    """A prompt, read as one language: number of characters in words that only this language knows, and the pieces.
+    """A prompt, read in the language of `lexicon`: characters in words that are of this language only, and the pieces.
 
     The number is 0 for a mostly English prompt with too few look words of the language.
     """
@@ -100,7 +100,7 @@ def _attempt(
 
 
 def _phrases(vocabulary: Vocabulary) -> frozenset[str]:
-    """English that is not translated: phrases of several words ("film noir"), and the artist's own entries."""
+    """English that is not translated: phrases of several words ("film noir"), and words of the artist's own entries."""
     words, shipped = {*vocabulary.synonyms, *vocabulary.colors}, shipped_vocabulary()
     return frozenset(w for w in words if " " in w or not (w in shipped.synonyms or w in shipped.colors))
 
@@ -122,7 +122,7 @@ def _known_english(v: Vocabulary) -> frozenset[str]:
 def pieces(
     text: str, lexicon: LanguageLexicon, names: frozenset[str], phrases: frozenset[str] = frozenset()
 ) -> list[Piece]:
-    """All pieces of a prompt, in its order: the longest wordings, `names` of the scene (folded) and English `phrases`.
+    """All pieces of a prompt, in its order: the longest wordings, `names` of the scene (folded) or English `phrases`.
 
     Text without spaces is cut into words of the lexicon or the scene, see `cut`.
     """
@@ -143,7 +143,7 @@ def pieces(
 
 
 def cut(letters: str, known: frozenset[str]) -> list[str]:
-    """The words in text without spaces: the longest known one each time; unknown characters in a row are one word."""
+    """The words in text without spaces, each the longest of `known`; unknown characters in a row are one word."""
     found, place, unknown = list[str](), 0, ""
     while place < len(letters):
         words = (letters[place : place + count] for count in range(_LONGEST_TIGHT, 0, -1))
@@ -158,7 +158,7 @@ def cut(letters: str, known: frozenset[str]) -> list[str]:
 def _piece(
     text: str, cuts: list[Piece], lexicon: LanguageLexicon, names: frozenset[str], phrases: frozenset[str]
 ) -> Piece | None:
-    """Some words in a row as one piece; None if they mean nothing together. A single word is always a piece."""
+    """Neighboring words, `cuts`, as one piece; None if they mean nothing together. A single word is always a piece."""
     start, end, single = cuts[0].start, cuts[-1].end, cuts[0] if len(cuts) == 1 else None
     own = Piece(text[start:end], start, end, "unknown")
     if " ".join(cut.english.lower() for cut in cuts) in phrases:
@@ -175,7 +175,7 @@ def _piece(
 
 
 class Retelling:
-    """Finds the artist's words for English ones of a gloss."""
+    """Translates English words of a gloss back into the artist's words."""
 
     def __init__(self, gloss: Gloss) -> None:
         self.gloss = gloss
@@ -183,7 +183,7 @@ class Retelling:
         self._taken: set[int] = set()
 
     def retell(self, parsed: Parsed) -> None:
-        """Puts the artist's words in place of the English ones, wherever people read them; changes `parsed`."""
+        """Puts the artist's words in place of the English ones in all fields of `parsed` that people read."""
         for number, attribute in enumerate(parsed.attributes):
             if attribute.cause:
                 parsed.attributes[number] = replace(attribute, cause=self.own(attribute.cause))
@@ -203,16 +203,16 @@ class Retelling:
         return self._text(self._find(english, again=True)) or english
 
     def english(self, word: str) -> str:
-        """The English words for one of the prompt; "" where the prompt lacks it."""
+        """The English words for `word`, a word of the prompt; "" if the prompt lacks it."""
         start = self.gloss.prompt.casefold().find(word.casefold())
         end = start + len(word)
         meant = (piece for piece in self.gloss.pieces if piece.start < end and start < piece.end)
         return " ".join(piece.english for piece in meant) if start >= 0 else ""
 
     def _find(self, english: str, again: bool = False) -> list[Piece]:
-        """The pieces that English words come from: as many of the last words as stand together, others shortly before.
+        """The pieces that English words come from: of as many last words as stand together, and of others just before.
 
-        [] if the last word is not there. With `again`, pieces may be found that were found before.
+        [] if the last word is in no piece. Only with `again` may a place be found a second time.
         """
         words = _WORDS.findall(normalize(english))
         said = [word for word, _ in self._words]
@@ -235,14 +235,14 @@ class Retelling:
 
 
 def understood() -> str:
-    """The languages that are understood, and an example: the remedy for a prompt in another language."""
+    """A sentence with the languages that are understood and an example: a remedy for a prompt in another language."""
     *first, last = ("English", *(lexicon.name for lexicon in lexicons()))
     remedy = "write for example 'glossy teal, soft warm light, slight vignette'."
     return f"{', '.join(first)} and {last} are understood: {remedy}"
 
 
 def other_language(text: str) -> Literal["", "some", "all"]:
-    """How much of a prompt is in a language that is not read, by its script or by small words of such languages."""
+    """The amount of a prompt in languages that are not read, judged by script and small words; "" for none."""
     letters = [c for c in text if c.isalpha()]
     latin = sum("LATIN" in unicodedata.name(c, "") for c in letters)
     if letters and latin < 0.5 * len(letters):

@@ -38,28 +38,28 @@ _SLASH = re.compile(r"(?<=[A-Za-z])/(?=[A-Za-z])")  # "blue/green"
 
 @dataclass
 class Token:
-    """One word or known phrase of the prompt."""
+    """One word or known phrase of the prompt, with every role that it can play."""
 
     text: str  # as the prompt has it, normalized
-    entry: str = ""
-    color: Values | None = None  # sRGB
+    entry: str = ""  # name of the vocabulary entry that it means
+    color: Values | None = None  # sRGB, if it names a color
     adjective: str = ""  # a key of the vocabulary's adjectives
-    noun: str = ""  # kind of thing that it names
+    noun: str = ""  # kind of thing that it names: "light", "fog", "surroundings"
     scene: bool = False  # it names a thing in the scene
     strength: float | None = None  # factor on the next look word, if it is an intensity
-    lists: frozenset[str] = field(default_factory=frozenset)  # the grammar lists that it is in: "link", ...
+    lists: frozenset[str] = field(default_factory=frozenset)  # the vocabulary's grammar lists with it: "link", ...
     name: str = ""  # the spelling that the vocabulary knows
     guess: str = ""  # the known word that is meant, if it is misspelled
-    unsure: bool = False  # not known, but near to looks: it is not used; known words are offered for it
-    shades: tuple[tuple[float, float, float, float], ...] = ()  # by shade words before it, see `types.Attribute`
+    unsure: bool = False  # unknown, but near to look words by meaning: not used, and known words are offered for it
+    shades: tuple[tuple[float, float, float, float], ...] = ()  # of the shade words before it, see `types.Attribute`
     clause: int = 0  # number of its clause
-    wished: bool = False  # it is part of a wish that values cannot fulfill: "remove the chair"
-    presents: tuple[Token, ...] = ()  # in a change phrase, its looks now: red in "the roof from red to grey"
-    change: int = 0  # number of the change phrase that it is in, as object or as a look wished of it; 0: none
+    wished: bool = False  # it is part of a request that values cannot fulfill: "remove the chair"
+    presents: tuple[Token, ...] = ()  # looks that it has now: of the roof, "red" in "the roof from red to grey"
+    change: int = 0  # number of the change phrase ("roof from red to grey") with this object or wished look; 0: none
 
     @property
     def known(self) -> bool:
-        """True if it plays any role."""
+        """True if it has any role: look, noun, name in the scene, intensity or word of the grammar."""
         return bool(self.names_a_look or self.noun or self.scene or self.strength or self.lists)
 
     @property
@@ -79,9 +79,9 @@ class Token:
 
 
 class Lexer:
-    """Finds the longest known phrases; built once per prompt, because its scene adds names.
+    """Cuts a prompt into tokens, the longest known phrases first; made for each prompt, because its scene adds names.
 
-    Words of another language, `foreign`, are taken for misspelled English only if they are long: "travertin".
+    `foreign` has words of another language; only long ones ("travertin") are taken for misspelled English.
     """
 
     def __init__(self, vocabulary: Vocabulary, words: SceneDescription, foreign: Collection[str] = ()) -> None:
@@ -90,19 +90,19 @@ class Lexer:
         self._in_names = {word for name in self.names for word in name.split()}
 
     def _is_look(self, name: str) -> bool:
-        """True for a name that only says a look, as "matte black" of a material: in a prompt it is the look."""
+        """True if a name in the scene only describes a look, such as "matte black"; in a prompt, it means that look."""
         v, words = self.vocabulary, name.split()
         looks = (word in v.colors or word in v.adjectives or v.slot(word) == "finish" for word in words)
         return len(words) > 1 and all(looks) and v.nouns.keys().isdisjoint(words)
 
     def clauses(self, prompt: str) -> list[list[Token]]:
-        """Tokens of each clause of a prompt."""
+        """The clauses of a prompt, each as the list of its tokens."""
         text = normalize(_SLASH.sub(" ", prompt.replace("&", " and ")))
         words = [_WORD.findall(part) for part in _BREAK.split(text)]
         return [self._tokens(self._spelled(part)) for part in words if part]
 
     def _spelled(self, words: list[str]) -> list[str]:
-        """The words of a clause; replaces hurried spellings, "on" at the end, and compounds such as "bluegreen"."""
+        """The words of a clause, with hurried spellings, a final "on" and compounds ("bluegreen") written in full."""
         v, found = self.vocabulary, list[str]()
         if len(words) > 1 and words[-1] in v.words["burns"]:
             (burning,) = v.words["burning"]
@@ -135,20 +135,20 @@ class Lexer:
         return tokens
 
     def _places(self, words: list[str], light: Token) -> bool:
-        """True if words after a light say where it comes from: "behind" of "cold dawn behind it", not of "the sun behind the hills"."""
+        """True if `words`, after the token `light`, say where that comes from: "behind it", not "behind the hills"."""
         is_light = light.noun == "light" or self.vocabulary.slot(light.entry) == "lighting"
         if light.scene or not is_light or words[0] not in self.vocabulary.words["placed"]:
             return False
         return len(words) < 3 or (what := self._phrase(words[2])).scene or what.noun == "subject"
 
     def _cuts_a_phrase(self, words: list[str], start: int, end: int) -> bool:
-        """True if the words from start to end split a known phrase about no surface: "warm golden" splits "golden hour"."""
+        """True if words[start:end] split a known phrase that is not of surfaces: "warm golden" splits "golden hour"."""
         later = range(end + 1, min(end + _LONGEST, len(words) + 1))
         phrases = (" ".join(words[i:j]) for i in range(start + 1, end) for j in later)
         return any(self.vocabulary.slot(phrase) not in ("", "finish", "material") for phrase in phrases)
 
     def _ends_in_thing(self, words: list[str]) -> bool:
-        """True if a phrase is a look and a thing of this scene: "terracotta pot", or "turquoise water" where water is."""
+        """True if `words` are a look and then an object of the scene, so two tokens: "terracotta pot"."""
         v, last, first, whole = self.vocabulary, words[-1], " ".join(words[:-1]), " ".join(words)
         if len(words) < 2 or last not in self.names:
             return False
@@ -159,7 +159,7 @@ class Lexer:
         return may_be_thing and self._phrase(first).known
 
     def _phrase(self, text: str) -> Token:
-        """The token of a phrase: as it stands, without an ending, or as the adjective that is compared: "cooler"."""
+        """The token of a phrase, known as it stands, without an ending or as a comparative ("cooler"), or unknown."""
         v = self.vocabulary
         if is_hex(text):
             return Token(text, color=srgb_from_hex(text))
@@ -167,7 +167,7 @@ class Lexer:
         lemony = v.colors.get(text[:-1]) if text.endswith("y") else None
         greenish = v.colors.get(_color_stem(text, v.colors))
         tint = lemony or (shade(greenish, chroma=_ALONE) if greenish else None)
-        # Base forms; "car parked" is no form of "car park", nor "walled" of "wall"
+        # Base forms; "car parked" is not a form of "car park", nor "walled" of "wall"
         bases = [text.removesuffix("s"), text.removesuffix("es")]
         past = text.removesuffix("ed")
         bases += [] if " " in text or past in v.nouns else [past]
@@ -180,7 +180,7 @@ class Lexer:
         return Token(text, color=tint)
 
     def _spelled_so(self, spelling: str) -> Token:
-        """A token with every role that a spelling has."""
+        """The token of exactly this spelling, with every role that it has in the vocabulary and the scene."""
         v = self.vocabulary
         # phrases for a setting end in the thing: "minimal backdrop"
         last = spelling.rpartition(" ")[2] if v.slot(spelling) == "setting" else ""
@@ -197,7 +197,7 @@ class Lexer:
         )
 
     def _guess(self, token: Token) -> Token:
-        """A token with the known word that is meant, if its own can only be a typing error; else as it is."""
+        """The token of the known word that an unknown token misspells; else the same token. Sets its `unsure`, too."""
         text, foreign = token.text, token.text in self.foreign
         is_thing = singular(text) in thing_words()
         token.unsure = not (foreign or is_thing) and self.vocabulary.made(Nearest).may_be_a_look(text)
@@ -220,7 +220,7 @@ def _misspellable(v: Vocabulary) -> list[str]:
 
 
 def _composed(words: list[str], v: Vocabulary) -> Token | None:
-    """A color or material with the words before it that shift it; None for others."""
+    """The token of a color or material after words that shift it: "very dark blue"; None for other words."""
     text = " ".join(words)
     if v.slot(text) == "grade":  # "deep blacks" are shadows
         return None
@@ -238,7 +238,7 @@ def _composed(words: list[str], v: Vocabulary) -> Token | None:
 
 
 def _shaded(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
-    """A color with shade words before it, "dusty rose", or a material with its own color, lighter or darker: "dark oak"."""
+    """The token of a color or material `rest` after shade words `leading`: "dusty rose", "dark oak"; or None."""
     last = " ".join(rest)
     name = last if last in v.colors else last.removesuffix("s")
     text, entry = " ".join([*leading, last]), v.entry(last)
@@ -266,7 +266,7 @@ def _shaded(leading: list[str], rest: list[str], v: Vocabulary) -> Token | None:
 
 
 def _compound(words: list[str], colors: dict[str, Values]) -> Values | None:
-    """The color of two color words: "khaki green"; None if the list has it, or if they are no color, or two: "teal orange"."""
+    """The color, sRGB, of two words that mix, as "khaki green"; None if `colors` has the phrase or they do not mix."""
     if len(words) != 2 or " ".join(words) in colors or words[1] not in colors:
         return None
     first, base = words[0], colors[words[1]]
@@ -280,7 +280,7 @@ def _compound(words: list[str], colors: dict[str, Values]) -> Values | None:
 
 
 def _color_stem(word: str, colors: dict[str, Values]) -> str:
-    """The color's name in "greenish", "bluey" and "reddy"; "" for other words."""
+    """The color's name in a word such as "greenish", "bluey" or "reddy"; "" for other words."""
     for ending in ("ish", "y"):
         base = word.removesuffix(ending)
         found = next((s for s in (base, base[:-1], base + "e") if base != word and s in colors), "")

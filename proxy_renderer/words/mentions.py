@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The places of a prompt where things, lights and parts of the image are named: nouns, lists and exceptions."""
+"""Finds where a prompt names objects, lights and parts of the image: nouns, lists of nouns, and exceptions."""
 
 import re
 from dataclasses import replace
@@ -43,7 +43,7 @@ _JOINED = re.compile(  # "box and cup"; over a comma only names: "bezel, strap a
 
 
 def mentions(passage: Passage, index: SceneIndex, vocabulary: Vocabulary) -> list[NounMention]:
-    """All nouns of a prompt, then the lists that join several of them."""
+    """All nouns of a prompt in its order, then a mention for each list that joins several of them: "box and cup"."""
     finder, single, start = _NounFinder(passage, index, vocabulary), [], 0
     while start < len(passage.items):  # the longest name first
         found = finder.at(start)
@@ -69,7 +69,7 @@ class _NounFinder:
         self._looks = LookIndex(index.words, vocabulary)
 
     def at(self, start: int) -> NounMention | None:
-        """The noun that begins at an item."""
+        """The noun that begins at token `start`, the longest name first; None if none does."""
         token = self.items[start]
         if token.ties or token.wished:
             return None
@@ -94,20 +94,20 @@ class _NounFinder:
         return self._mention(start, start, noun, named) if named or noun else None
 
     def _mention(self, start: int, end: int, noun: str, named: list[Named]) -> NounMention:
-        """A noun with the role of the light that it names: "key" for "key light", "" for "light"."""
+        """The noun of the tokens `start` to `end`, with its role of lights: "key" for "key light", "" for "light"."""
         text, last = " ".join(i.text for i in self.items[start : end + 1]), self.items[end]
         role = last.noun if last.noun in ("fill", "rim") else self.vocabulary.role(last.text)
         return NounMention(start, end, text, noun, role, tuple(named))
 
     def _of_one(self, start: int, said: tuple[str, ...]) -> list[Named]:
-        """What a single token names in the scene, by all of its words or else by the last one."""
+        """Materials and lights that a single token names, by all of its words `said` or else by the last one."""
         token, last = self.items[start], said[-1:]
         named, plural = self.index.named(said) or self._lamps(said), token.text.endswith("s")
         of_a_role = token.text in self.vocabulary.roles or (token.noun in ("rim", "fill") and not plural)
         if not named and len(said) > 1 and token.noun != "tone":  # "the whole picture" is no object
             named, said = self.index.named(last), last
         any_light = said == last and last[0] in self.vocabulary.lists["anylight"]
-        if any_light:  # not one that is called "Light"
+        if any_light:  # "light" does not mean one that is called "Light"
             named = [n for n in named if n.signs != {"light exact"}]
         of_light = any_light and not plural and self.vocabulary.nouns.get(last[0]) == "light"
         if of_a_role or of_light:  # a "blue rim" is of light, though glasses have rims; and no light is a "Tail Light"
@@ -115,7 +115,7 @@ class _NounFinder:
         return self._surely(named) if token.filler and not token.noun else named  # "the" is no French tea
 
     def _is_of_the_next(self, start: int) -> bool:
-        """True if a look word describes the thing after it, with only looks between: "red leather seats" names no red lamp."""
+        """True if look word `start` describes the next noun, with only looks between: "red" in "red leather seats"."""
         token = self.items[start]
         if not token.names_a_look or token.noun:
             return False
@@ -138,14 +138,14 @@ class _NounFinder:
         return [n for n in self.index.named(said[:-1]) if n.kind == "lights"] if any_light else []
 
     def _noun(self, start: int) -> str:
-        """The kind of noun that a token is: "unknown" for an unknown word, or a look word that may be a thing; "" for none."""
+        """Kind of noun of token `start`: "unknown" for an unknown word or a look that may be a thing; "" for none."""
         token = self.items[start]
         known = token.noun or ("thing" not in token.lists and (token.known or token.unsure))
         return token.noun if known else "unknown"
 
 
 def _letters(passage: Passage, single: list[NounMention], vocabulary: Vocabulary) -> tuple[str, list[int]]:
-    """A string of letters for the nouns of a prompt and its other tokens, see the head of this file; and the place of each."""
+    """A string: a letter for each token, commas between clauses (see `_LETTERS`); and its characters' token places."""
     nouns = {mention.start: mention for mention in single}
     inside = {i for m in single for i in range(m.start + 1, m.end + 1)}
     letters, places = "", list[int]()
@@ -173,7 +173,7 @@ def _letters(passage: Passage, single: list[NounMention], vocabulary: Vocabulary
 
 
 def _joined(run: list[NounMention]) -> NounMention | None:
-    """One mention for a list of nouns, with the surest names of each; None if they name nothing in the scene."""
+    """One mention for a list of nouns, with the surest names of each noun; None if none of them names anything."""
     if not any(mention.named for mention in run):
         return None
     found = []
@@ -189,7 +189,7 @@ def _joined(run: list[NounMention]) -> NounMention | None:
 
 
 def named_objects(mention: NounMention, index: SceneIndex) -> list[str]:
-    """The objects that a noun means by their names."""
+    """Names of the scene's objects that a noun names; [] if it names lights only."""
     if all(named.kind != "things" for named in mention.named):  # a lamp is one, light is none
         return []
     said = parts(mention.text)
@@ -198,7 +198,7 @@ def named_objects(mention: NounMention, index: SceneIndex) -> list[str]:
 
 
 class OwnNouns:
-    """Finds the nouns that look words describe."""
+    """Finds the noun that a look word describes; `look` is the place of that word among the tokens."""
 
     def __init__(self, passage: Passage, mentions: list[NounMention], vocabulary: Vocabulary) -> None:
         self._items, self._vocabulary = passage.items, vocabulary
@@ -212,13 +212,13 @@ class OwnNouns:
         return self._after(look) or self._before(look)
 
     def changed(self, look: int) -> NounMention | None:
-        """The object of the change phrase that a look word is in: the roof of "the roof from red to grey"."""
+        """The object of a look word's change phrase, "roof" of "the roof from red to grey"; None if it is in none."""
         change, items = self._items[look].change, enumerate(self._items)
         places = (p for p, item in items if change and item.presents and item.change == change)
         return next((self._at[place] for place in places if place in self._at), None)
 
     def _after(self, look: int) -> NounMention | None:
-        """The noun after a look word: "a red roof"; of several the last, unless the scene has only an earlier one."""
+        """The noun after a look word ("a red roof"), of several the last one in the scene, else the last; or None."""
         found, led = None, self._led(look)
         for place in range(look + 1, len(self._items)):
             item = self._items[place]
@@ -232,7 +232,7 @@ class OwnNouns:
         return found
 
     def _before(self, look: int) -> NounMention | None:
-        """The noun before a look word: "the roof is red"; a noun of the scene rather than one without an article."""
+        """The noun before a look word ("the roof is red"); the scene's precede those without article; or None."""
         found = None
         for place in range(look - 1, -1, -1):
             item = self._items[place]
@@ -257,12 +257,12 @@ class OwnNouns:
         return NounMention(place, place, item.text, item.noun or "unknown") if is_noun else None
 
     def _is_a_noun(self, noun: NounMention) -> bool:
-        """True if a word is a noun by itself, or by the article before it."""
+        """True if a word is surely a noun, by its meaning or by an article before it."""
         listed = singular(noun.text) in thing_words()
         return bool(noun.named) or noun.noun != "unknown" or listed or self._led(noun.start)
 
     def _led(self, place: int) -> bool:
-        """True if an article stands before a word and the looks before it."""
+        """True if an article stands before token `place`, or before the looks in front of that token."""
         while place > 0 and (self._items[place - 1].names_a_look or self._items[place - 1].strength):
             place -= 1
         return place > 0 and not self._items[place - 1].lists.isdisjoint(("article", "definite"))

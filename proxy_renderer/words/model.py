@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Binds look words by a log-linear model: facts about a word and a target, and their weights.
+"""The log-linear model that binds look words: it sums the weights of facts about each pair of a word and a target.
 
 `lab/train/binding.py` fits the weights.
 """
@@ -27,19 +27,19 @@ if TYPE_CHECKING:
     pass
 
 FILE = Path(__file__).with_name("lexicon") / "binding.json"
-_FAR = 4  # items; a greater distance counts as this
-FactWeights = dict[str, float]
+_FAR = 4  # tokens; a greater distance counts as this
+FactWeights = dict[str, float]  # fact -> its weight
 
 
 @cache
 def shipped_weights() -> FactWeights:
-    """The weights that are shipped."""
+    """Fact -> its weight, from the shipped `binding.json`."""
     weights: FactWeights = json.loads(FILE.read_text("utf-8"))["weights"]
     return weights
 
 
 def scores(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list[float]:
-    """Logarithms of the probabilities of a look word's targets."""
+    """Natural logarithms of the probabilities of `pairs`, in their order; `pairs` are all targets of one look word."""
     raw = [sum(weights.get(name, 0.0) for name in pair.features) for pair in pairs]
     most = max(raw)
     whole = most + math.log(sum(math.exp(r - most) for r in raw))
@@ -47,9 +47,9 @@ def scores(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list[fl
 
 
 def likeliest(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list[tuple[TargetPair, float]]:
-    """The targets of a look word with their probabilities, best first.
+    """The pairs of one look word with their probabilities, the likeliest first.
 
-    Pairs with the same target and sense, by different nouns, count as one: the likeliest, with the sum of probabilities.
+    Pairs that differ only in the noun that names the target count as one: the likeliest, with the sum of probabilities.
     """
     same = defaultdict(list)
     for pair, score in zip(pairs, scores(pairs, weights), strict=True):
@@ -62,7 +62,7 @@ def likeliest(pairs: Sequence[TargetPair], weights: Mapping[str, float]) -> list
 
 
 class ClauseForms:
-    """The clauses of one prompt: which items are looks and nouns, what leads a word, what a clause ends with."""
+    """Facts about the clauses of a prompt: places of looks and nouns, the word before a look, the end of a clause."""
 
     def __init__(self, passage: Passage, mentions: list[NounMention], vocabulary: Vocabulary) -> None:
         self.passage, self.mentions, self.vocabulary = passage, mentions, vocabulary
@@ -74,13 +74,13 @@ class ClauseForms:
         self.spares = any(mention.excepted for mention in mentions)
 
     def sort_of(self, token: Token) -> str:
-        """The slot of what a look word means; "adjective" where that depends on what it describes."""
+        """The slot of a look word's entry; "color" for a color, "adjective" if the entry depends on the target."""
         if token.entry:
             return self.vocabulary.entries[token.entry].slot
         return "color" if token.color else "adjective"
 
     def lead(self, index: int) -> str:
-        """The word before a look word and its neighbors that are looks too: "on" of "on a glossy black floor"."""
+        """The word before token `index`, past looks and articles: "'on' after others" for "on a glossy black floor"."""
         items = self.passage.items
         for place in reversed([p for p in self.places[items[index].clause] if p < index]):
             item = items[place]
@@ -93,7 +93,7 @@ class ClauseForms:
         return "nothing"
 
     def turn(self, clause: int) -> str:
-        """The end of the clause before: "after a clause that ends in light"."""
+        """The kind of the last noun or look in the clause before `clause`: "after a clause that ends in light"."""
         if clause == 0:
             return "after nothing"
         last = next((p for p in reversed(self.places[clause - 1]) if p in self.noun_at | self.look_at), None)
@@ -105,7 +105,7 @@ class ClauseForms:
 
 
 class PairFeatures:
-    """The facts about the pairs of one look word, as `binding.json` names them."""
+    """The facts about one look word and each of its possible targets, as `binding.json` names them."""
 
     def __init__(self, look: PromptLook, forms: ClauseForms) -> None:
         self.look, self.token, self.forms = look, look.token, forms
@@ -116,7 +116,7 @@ class PairFeatures:
         self._unnamed = [*self._unnamed_facts(is_noun=bool(covering))]
 
     def of(self, target: Target, sense: Sense) -> Iterator[str]:
-        """The facts about one pair."""
+        """Yields the facts about the look word and `target`, which it describes in the sense `sense`."""
         kind, token = target.kind, self.token
         group = "matter" if kind in MATTER else "lamp" if kind in LAMPS else kind
         word = f"'{token.adjective or token.entry or 'a color'}'"  # colors are not told apart
@@ -135,7 +135,7 @@ class PairFeatures:
             yield f"{self._sort} of {kind} unnamed: {self._turn}"
 
     def _unnamed_facts(self, is_noun: bool) -> Iterator[str]:
-        """Facts about all targets that no noun names: what is named instead, and where the look word stands."""
+        """Yields facts that all targets without a noun share: what nouns name instead, and the look word's place."""
         look, items = self.look.index, self.items
         clause = items[look].clause
         others = [m for m in self.mentions if not m.covers(look)]
@@ -162,7 +162,7 @@ class PairFeatures:
                 yield f"a {self._sort} word before an hour"
 
     def _named_facts(self, target: Target, mention: NounMention, group: str) -> Iterator[str]:
-        """Facts about what a noun names: how the noun and the look word stand to each other, and how the noun fits."""
+        """Yields facts about a target that `mention` names: where that noun stands, and how well it fits the target."""
         if mention.covers(self.look.index):
             yield f"itself at {group}"
             return
@@ -179,7 +179,7 @@ class PairFeatures:
         yield f"{target.kind} by noun {mention.noun or 'of the scene'}"
         if self.token.adjective and any(mention.covers(place) for place in self.forms.look_at):
             yield f"'{self.token.adjective}' of {target.kind} by a noun that is a look"
-        # How sure it is that the noun names this
+        # How surely the noun names this target
         ranks = {n.names: fit_rank(n) for n in mention.named}
         surest = ranks.get(target.names, 0) <= min(ranks.values(), default=0)
         yield f"{group} {'surest' if surest else 'less sure'}"
@@ -189,7 +189,7 @@ class PairFeatures:
             yield from (f"several at {group} by a singular, {sign}" for sign in target.signs)
 
     def _place_facts(self, mention: NounMention, group: str, where: str, low: int, high: int) -> Iterator[str]:
-        """Side, distance and clause of a noun, the ties between it and the look word, and the tie before it."""
+        """Yields side, clause and distance of a noun, the ties between it and the look word, and the tie before it."""
         items, side = self.items, where.partition(",")[0]
         between = self.forms.passage.content(low + 1, high)
         yield f"{where}: {group}"
@@ -220,7 +220,7 @@ def _kinds(mentions: list[NounMention]) -> str:
 
 
 def reading(text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()) -> PromptPairs:
-    """The look words of a prompt, each with everything that it may describe. Arguments as for `passage`."""
+    """A prompt in which each look word is paired with everything that it may describe. Arguments as for `passage`."""
     found = passage(text, words, vocabulary, foreign)
     nouns = mentions(found, words.made(SceneIndex, vocabulary), vocabulary)
     every, own = targets(nouns, words), OwnNouns(found, nouns, vocabulary)

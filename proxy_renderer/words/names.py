@@ -18,13 +18,13 @@ _NAMES = 16_384  # names of scenes that are cached
 
 
 def _spaced(name: str) -> list[str]:
-    """ "SM_WoodTable.001" -> ["sm", "wood", "table"]."""
+    """The words of a name in lower case: "SM_WoodTable.001" -> ["sm", "wood", "table"]."""
     return normalize(re.sub(r"(?<=[a-z0-9])(?=[A-Z])|[\W_]|\d+", " ", name)).split()
 
 
 @lru_cache(_NAMES)
 def plain_name(name: str) -> str:
-    """A name as somebody would say it: "WoodTable.001" -> "wood table", "SM_Cup.001_low" -> "cup", "Tyre Two" -> "tyre"."""
+    """A name as people say it: "WoodTable.001" -> "wood table", "SM_Cup.001_low" -> "cup", "Tyre Two" -> "tyre"."""
     every = _spaced(name)
     words = [w for w in every if w not in name_words("pipeline") and len(w) > 1] or every
     while len(words) > 1 and words[-1] in name_words("order"):
@@ -33,19 +33,19 @@ def plain_name(name: str) -> str:
 
 
 def kind_of(material: str) -> str:
-    """A name without numbers: materials of one kind are painted alike. A name of numbers alone is a kind of its own."""
+    """The kind of a material, which is its name without numbers; a name of numbers alone is its own kind."""
     plain = plain_name(material)
     return plain if set(plain.split()) - name_words("pipeline") else material
 
 
 def is_detail(material: str) -> bool:
-    """True if a name is that of a part with a color of its own: tyres, eyes, windows."""
+    """True if a material's name is that of a part with a color of its own: tyres, eyes, windows."""
     last = plain_name(material).rpartition(" ")[2]
     return not name_words("details").isdisjoint((last, last.removesuffix("s")))
 
 
 def scene_names(words: SceneDescription) -> frozenset[str]:
-    """Whole names in a scene, their last words, and names without the word for a limb: "car" of "CarShellNew"."""
+    """Names of objects and materials, their last words, and names without a final limb: "car" of "CarShell"."""
     spoken = {plain_name(words.subject)}
     for name in map(plain_name, (*words.objects, *words.materials)):
         whole, _, last = name.rpartition(" ")
@@ -54,7 +54,7 @@ def scene_names(words: SceneDescription) -> frozenset[str]:
 
 
 def limbs(words: SceneDescription) -> dict[str, tuple[str, ...]]:
-    """Object -> its limbs that are objects of their own: "Duck Head" of "Duck", or "Lid" of the only object, a teapot."""
+    """Object -> its limbs that are objects, too: "Duck Head" of "Duck", or "Lid" of the only whole object, a teapot."""
     heads: dict[Region, set[str]] = {"subject": set(), "surroundings": set()}
     theirs: dict[tuple[Region, str], list[str]] = defaultdict(list)
     for name, region in words.objects.items():
@@ -73,7 +73,7 @@ def limbs(words: SceneDescription) -> dict[str, tuple[str, ...]]:
 
 @lru_cache(_NAMES)
 def parts(name: str) -> tuple[str, ...]:
-    """Words of a name: "SM_WoodTable.001" -> ("wood", "table"); a single letter comes first, as in ("l", "lamp")."""
+    """Singular words of a name: "SM_WoodTables.001" -> ("wood", "table"); single letters come first: ("l", "lamp")."""
     every = [singular(folded(w)) for w in _spaced(name)]
     letters = [w for w in every if w.isascii() and len(w) == 1]
     words = [w for w in every if w not in letters]
@@ -115,5 +115,5 @@ def is_of_surfaces(word: str, vocabulary: Vocabulary) -> bool:
 
 
 def best(found: Iterable[str]) -> str:
-    """The surest of several ways to fit; "" for none."""
+    """The surest of several ways to fit, see `FITS`; "" if there is none."""
     return min((f for f in found if f), key=FITS.index, default="")

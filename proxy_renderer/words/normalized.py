@@ -37,7 +37,7 @@ _LAMPLIGHT = "lamplight"  # the rig of a room that one of its lamps lights
 _MOST_OF_A_LIGHT = 3  # words of a light's name
 
 Protection = tuple[str, tuple[str, ...]]
-"""A passage that says what stays, "leave the cup alone", and the owners that stay; () if it names nothing of the scene."""
+"""A passage such as "leave the cup alone", and the owners of parameters that stay; () if it names none in the scene."""
 
 
 @dataclass(frozen=True)
@@ -48,16 +48,16 @@ class Normalized:
     protections: list[Protection]
     links: list[SaidLink]
     notes: list[str]  # on links that name nothing
-    targets: dict[str, str]  # look word -> the name before its colon: "Cup: copper"
+    targets: dict[str, str]  # key of a look word, "copper#1" -> name in the scene before its colon: "Cup: copper"
 
 
 def normalized(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> Normalized:
-    """A prompt in English, normalized."""
+    """An English prompt, rewritten in words that the reader knows."""
     own = {name.lower(): name for name in (*scene.lights, *scene.materials, *scene.objects)}
     names, targets = scene_names(scene) | {*own}, dict[str, str]()
 
     def sentence(pair: re.Match[str]) -> str:
-        """ "fog: none, cup: copper" as "no fog, the cup is copper"."""
+        """The wording of a pair: "no fog" for "fog: none", "the cup is copper" for "cup: copper"."""
         key, value = pair[1].strip().lower(), pair[2].strip()
         if value.lower() in vocabulary.words["off"]:
             return f"no {key}"
@@ -89,7 +89,7 @@ def normalized(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> No
 
 
 def _sole_lights(v: Vocabulary) -> list[re.Pattern[str]]:
-    """Patterns of wordings for one light that is on alone."""
+    """Patterns of wordings for one light that is on alone, with the group `light`: "only the floor lamp on"."""
     rows = ("sole", "alight", "lit_by", "every_light", "put_out", "excepted")
     sole, alight, lit_by, every, out, excepted = (any_of(v.words[row]) for row in rows)
     article, end = rf"(?:{any_of(v.lists['definite'])} |an? )?", r"(?=\s*(?:[,;.]|$))"
@@ -103,7 +103,7 @@ def _sole_lights(v: Vocabulary) -> list[re.Pattern[str]]:
 
 
 def _sole_light(match: re.Match[str]) -> str:
-    """ "only the floor lamp on" as "by lamplight", "just the key on" as "key on, everything else dark"."""
+    """The wording of a match: "by lamplight" for a lamp of the room, "key on, everything else dark" for others."""
     light, rigs = match["light"], rig_table().rigs
     noun = singular(light.split()[-1].lower())
     if noun in rigs[_LAMPLIGHT].lights[0].names:
@@ -112,7 +112,7 @@ def _sole_light(match: re.Match[str]) -> str:
 
 
 def _hour(match: re.Match[str]) -> str:
-    """ "3 am" as "night", "at 17:30" as "at golden hour"."""
+    """The wording of a clock time: "night" for "3 am", "at golden hour" for "at 17:30"; other numbers stay."""
     at, hour, minutes, half = match[1] or "", int(match[2]), match[3], (match[4] or "").lower()
     if hour > 24 or not (half or (at and minutes)):
         return match[0]
@@ -122,13 +122,13 @@ def _hour(match: re.Match[str]) -> str:
 
 
 def _kelvins(match: re.Match[str]) -> str:
-    """ "3,200K" as "3200 kelvin", the name of an entry."""
+    """The entry of a color temperature: "3200 kelvin" for "3,200K"; other numbers, such as "8K", stay."""
     kelvins = int(re.sub(r"\D", "", match[1]))
     return kelvin_entry(kelvins) if _COLDEST <= kelvins <= _HOTTEST else match[0]
 
 
 def _protecting(v: Vocabulary) -> list[re.Pattern[str]]:
-    """Patterns of wordings for something that stays; the first counts even if it names nothing of the scene."""
+    """Patterns of wordings that the group `what` stays; the first one counts even if `what` is not in the scene."""
     words = {kind: any_of(v.words[kind]) for kind in ("leave", "alone", "forbid", "keep", "stays", "stay")}
     end = r"(?=\s*(?:[,.;:!]|and\b|but\b|while\b|$))"
     one = rf"{any_of(v.lists['definite'])} [\w-]+(?: [\w-]+)?"
@@ -145,7 +145,7 @@ def _protecting(v: Vocabulary) -> list[re.Pattern[str]]:
 
 
 def _kept(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> Iterator[str]:
-    """The owners of parameters that nouns name: "material/Plaster", "light/Key", "world"."""
+    """Yields the owners of parameters that the nouns in a text name: "material/Plaster", "light/Key", "world"."""
     index, groups = scene.made(SceneIndex, vocabulary), {"things": "material", "lights": "light"}
     for noun in (_bare(phrase, vocabulary) for phrase in _AND.split(text)):
         named = index.named(parts(noun)) if parts(noun) else []
@@ -208,7 +208,7 @@ def _linking(vocabulary: Vocabulary) -> list[re.Pattern[str]]:
 
 
 def _light_noun(said: str, scene: SceneDescription, vocabulary: Vocabulary) -> str:
-    """The name of a light at the end of words; "" if they name no particular light: "warm light"."""
+    """The noun for a light that ends the words `said`; "" if they name no particular light: "warm light"."""
     words = normalize(said).split()
     ends = [" ".join(words[-n:]) for n in range(min(_MOST_OF_A_LIGHT, len(words)), 0, -1)]
     found = next((noun for noun in ends if any(_lights(noun, scene, vocabulary))), "")
@@ -217,7 +217,7 @@ def _light_noun(said: str, scene: SceneDescription, vocabulary: Vocabulary) -> s
 
 
 def _lights(noun: str, scene: SceneDescription, vocabulary: Vocabulary) -> tuple[tuple[str, ...], str]:
-    """The lights of the scene that a noun names, or the role of lights that it stands for."""
+    """The lights of the scene that a noun names, and the role of lights that it stands for; () and "" for none."""
     alone = " ".join(word for word in noun.split() if word not in vocabulary.lists["anylight"])
     index = scene.made(SceneIndex, vocabulary)
     named = (n for said in dict.fromkeys((noun, alone)) if parts(said) for n in index.named(parts(said)))
@@ -229,7 +229,7 @@ def _lights(noun: str, scene: SceneDescription, vocabulary: Vocabulary) -> tuple
 
 
 def _objects(match: re.Match[str], scene: SceneDescription, vocabulary: Vocabulary) -> tuple[tuple[str, ...], int]:
-    """The objects that nouns after a link name, and where the link ends: before "and warm fog"."""
+    """The objects that the nouns of a link name, and where in the text the link ends: before "and warm fog"."""
     first, *others = _JOINER.split(match["what"])
     found, end = [*_called(first, scene, vocabulary)], match.start("what") + len(first)
     for joiner, noun in zip(others[::2], others[1::2], strict=True):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Understands a prompt: which look words there are, what each of them describes, and why."""
+"""Understands a prompt: finds its look words and what each of them describes, and explains why."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from .types import Attribute, Candidate, MaterialLook, Parsed, PromptWord, Scene
 _TAG = re.compile(r"</?[a-zA-Z][^<>]{0,200}>|\x1b\[[0-9;]*[A-Za-z]|[\x00-\x08\x0e-\x1f\x7f]")
 _STUCK = "'{text}' is not changed: other objects have its material '{material}' too. Make it single-user in Blender."
 _THINGS_STAY = "things are not added, moved or removed, only their look changes."
-_LEAST = 0.02  # probability of a candidate
+_LEAST = 0.02  # least probability of a candidate
 _MOST = 16  # most objects, and most lights, that a word's menu offers in addition to its candidates
 _TARGETS, _FACTS = 4, 4  # lines of `why` for each look word, and facts in each line
 
@@ -44,13 +44,13 @@ class Understood:
 
     Attributes:
         prompt: As the artist typed it.
-        scene: The names in the scene; with copies of materials that the words need.
+        scene: The description of the scene, with copies of materials that the words need.
         words: The look words of the prompt and the words that are left out, in its order.
-        unknown: Why nothing is understood; None where something is.
+        unknown: The error that says why nothing is understood; None if something is.
     """
 
     def __init__(self, prompt: str, scene: SceneDescription, told: Iterable[str] = ()) -> None:
-        """Reads the prompt; `told` are targets that the artist has chosen for words: "copper=Cup"."""
+        """Reads the prompt. `told`: texts WORD=TARGET, targets that the artist has chosen for words: "copper=Cup"."""
         self.prompt, self.scene, self._parsed = prompt, scene, Parsed("")
         self.unknown: VibeError | None
         vocabulary = default_vocabulary()
@@ -67,19 +67,19 @@ class Understood:
 
     @property
     def parsed(self) -> Parsed:
-        """The result, which nobody may change. Raises VibeError if nothing in the prompt is understood."""
+        """The prompt as read; callers may not change it. Raises VibeError if nothing in the prompt is understood."""
         if self.unknown:
             raise self.unknown
         return self._parsed
 
 
 def prepared(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> str:
-    """A prompt in normalized English, as the reader takes it."""
+    """A prompt in English, rewritten in words that the reader knows, see `normalized`."""
     return normalized(gloss(text, scene, vocabulary).english, scene, vocabulary).text
 
 
 def _opened(prompt: str, scene: SceneDescription, vocabulary: Vocabulary) -> tuple[Gloss, bool, Normalized]:
-    """A prompt in English words, whether some of it is in a language that is not understood, and its normalized form.
+    """A prompt in English words; True if some of it is in a language that is not understood; and its normalized form.
 
     Raises VibeError if it is empty, too long, or in a language that is not understood.
     """
@@ -97,7 +97,7 @@ def _opened(prompt: str, scene: SceneDescription, vocabulary: Vocabulary) -> tup
 
 
 def refuse_without_look(prompt: str) -> None:
-    """Refuses a prompt that says nothing in any scene, before Blender is started; raises VibeError as `parse` does."""
+    """Raises VibeError, as `parse` does, if a prompt names no look in any scene; for use before Blender is started."""
     scene, vocabulary = SceneDescription(), default_vocabulary()
     glossed, mixed, normal = _opened(prompt, scene, vocabulary)
     found = passage(normal.text, scene, vocabulary, glossed.unknown)
@@ -123,7 +123,7 @@ def parse(
     weights: FactWeights | None = None,
     told: Mapping[str, str] | None = None,
 ) -> Parsed:
-    """As `read`. Raises VibeError if the prompt is empty, too long, or holds no look word at all."""
+    """The prompt as `read` gives it. Raises VibeError as `read` does, and if nothing in the prompt is understood."""
     parsed = read(prompt, scene, vocabulary, weights, told)
     if parsed.unknown:
         raise parsed.unknown
@@ -137,10 +137,10 @@ def read(
     weights: FactWeights | None = None,
     told: Mapping[str, str] | None = None,
 ) -> Parsed:
-    """The look words of a prompt, bound to what they describe; `unknown` says why nothing is understood.
+    """The look words of a prompt, bound to what they describe; if nothing is understood, `Parsed.unknown` says why.
 
-    The artist has `told` for words what they describe: a name in the scene, "lights", "not used" and so on. Raises VibeError
-    if the prompt is empty, too long, or in a language that is not understood, or if a target cannot be.
+    `told`: word -> the target that the artist chose for it, a name in the scene, "lights", "not used" and so on. Raises
+    VibeError for a prompt that is empty, too long or in an unknown language, and for a target that is not possible.
     """
     vocabulary = vocabulary or default_vocabulary()
     glossed, mixed, normal = _opened(prompt, scene, vocabulary)
@@ -152,7 +152,7 @@ def read(
     )
     parsed, found = reading.parsed, reading.pairs.passage
     parsed.prompt = glossed.prompt
-    # of "darker sky, but leave the mountains", the world is not among what lies around
+    # in "darker sky, but leave the mountains", the world is not protected with the mountains
     spoken_of = {"world"} if any(a.kind == "sky" for a in parsed.attributes) else set()
     protections = [(text, [key for key in kept if key not in spoken_of]) for text, kept in normal.protections]
     parsed.protected = tuple(dict.fromkeys(key for _, kept in protections for key in kept))
@@ -188,11 +188,11 @@ def _quoted(words: Iterable[str]) -> str:
     return ", ".join(f"'{word}'" for word in dict.fromkeys(words))
 
 
-# Accounts for people
+# Explanations for people
 
 
 def why(reading: PromptReading) -> str:
-    """Each look word with its likeliest targets and the facts that weigh most; the chosen target is marked by an arrow."""
+    """A text: each look word with its likeliest targets and their main facts; an arrow marks the chosen target."""
     lines = ["Why (each look word with its likeliest targets, and the facts that weigh most)"]
     weights = reading.weights
     for pairs, chosen in zip(reading.pairs.pairs, reading.chosen, strict=True):
@@ -206,7 +206,7 @@ def why(reading: PromptReading) -> str:
 
 
 def _prompt_words(reading: PromptReading, parsed: Parsed, own: Callable[[str], str]) -> tuple[PromptWord, ...]:
-    """The look words of a prompt and the words that are left out, in its order; `own` gives its words for English ones."""
+    """The look words and left-out words of a prompt, in its order; `own` gives the prompt's word for an English one."""
     numbers, prompt = key_numbers([pair.look.text for pair in reading.chosen]), parsed.prompt
     words = []
     for number, end in enumerate(numbers):
@@ -229,7 +229,7 @@ def _prompt_words(reading: PromptReading, parsed: Parsed, own: Callable[[str], s
 def _look_word(
     reading: PromptReading, number: int, said: list[Attribute], end: str, own: Callable[[str], str]
 ) -> PromptWord:
-    """A look word with the attributes that it became; `end` is the end of its key, "" or "#2"."""
+    """Look word `number` for reports; `said`: its attributes, [] if left out; `end`: end of its key, "" or "#2"."""
     pair = reading.chosen[number]
     names = dict.fromkeys(pair.chosen or described_name(a, reading.scene) for a in said)
     candidates = _candidates(reading, number, next(iter(names), NOT_USED))
@@ -251,7 +251,7 @@ def _look_word(
 
 
 def _candidates(reading: PromptReading, number: int, target: str) -> tuple[Candidate, ...]:
-    """The target of a look word, then what else it likely describes; "not used" is offered last, by the menu."""
+    """The `target` of look word `number`, then other targets, the likeliest first; the menu adds "not used"."""
     chosen = reading.chosen[number]
     found = {target: 0.0}
     for pair, probability in reading.probabilities[number]:
@@ -266,7 +266,7 @@ def _candidates(reading: PromptReading, number: int, target: str) -> tuple[Candi
 
 
 def _offered(token: Token, scene: SceneDescription, vocabulary: Vocabulary) -> Iterator[str]:
-    """Names in a scene that a word can describe, the largest in the image first, and general ones."""
+    """Yields names that a word can describe: objects, the largest in the image first; lights; then general names."""
     if sense_at(token, "things", vocabulary):
         yield from scene.made(_largest, vocabulary)
     if sense_at(token, "lights", vocabulary):
@@ -276,7 +276,7 @@ def _offered(token: Token, scene: SceneDescription, vocabulary: Vocabulary) -> I
 
 
 def _largest(scene: SceneDescription, _: Vocabulary) -> list[str]:
-    """The objects that cover most of the image."""
+    """Names of the objects that cover most of the image, the largest first, at most `_MOST`."""
 
     def share(name: str) -> float:
         looks = (scene.looks[m] for m in scene.object_materials[name] if m in scene.looks)
@@ -291,9 +291,9 @@ def _largest(scene: SceneDescription, _: Vocabulary) -> list[str]:
 def _with_own_materials(
     passage: Passage, scene: SceneDescription, vocabulary: Vocabulary
 ) -> tuple[SceneDescription, dict[str, str]]:
-    """The scene with copies of materials that objects of the prompt share with others.
+    """The scene, with copies of materials that objects in the prompt share with other objects.
 
-    Also returns, for each material that cannot be copied, a sentence that says so.
+    Also returns: material that cannot be copied -> a sentence that says so.
     """
     wearers: dict[str, list[str]] = defaultdict(list)
     for thing, worn in scene.object_materials.items():
@@ -324,7 +324,7 @@ def _with_own_materials(
 
 
 def _copies(material: str, wearers: list[str], scene: SceneDescription) -> dict[str, list[str]]:
-    """Name of a copy -> the objects that wear it; several copies if the name of one for all is too long for Blender."""
+    """Name of a copy -> those of `wearers` that get it; several copies if the name of one is too long for Blender."""
     each: dict[str, list[str]] = defaultdict(list)
     count, mine = Counter(map(every, scene.objects)), Counter(map(every, wearers))
     for thing in wearers:
@@ -364,7 +364,7 @@ def _with_copies(scene: SceneDescription, copies: dict[str, list[str]]) -> Scene
 
 
 def _split(look: MaterialLook, things: list[str]) -> tuple[MaterialLook, MaterialLook]:
-    """The look of a material on some objects, and on all others; its `structures` stay with the larger part."""
+    """The look of a material on the objects `things`, and on all others; its `structures` stay with the larger part."""
     mine = {o: share for o, share in look.worn.items() if o in things}
     rest = {o: share for o, share in look.worn.items() if o not in things}
     one, other = (replace(look, share=sum(worn.values()), worn=worn) for worn in (mine, rest))

@@ -45,9 +45,9 @@ _SAID = "VSftwIRbOv"  # letters of tokens that only make a change phrase
 
 @dataclass(frozen=True)
 class PromptLook:
-    """A look word."""
+    """A look word of a prompt, with the intensities and negations before it."""
 
-    index: int  # its place among the items
+    index: int  # its place among the tokens
     token: Token
     text: str  # as the prompt says it, with its intensity and negation
     strength: float  # of the intensities before it
@@ -65,17 +65,17 @@ class Passage:
 
     items: list[Token]  # all tokens, with the numbers of their clauses
     looks: list[PromptLook] = field(default_factory=list)  # the look words, in order
-    starts: set[int] = field(default_factory=set)  # places of items that begin a clause as written
-    wishes: list[list[str]] = field(default_factory=list)  # words of wishes that only a modeler can fulfill
-    beyond: list[str] = field(default_factory=list)  # words that no parameter can fulfill
+    starts: set[int] = field(default_factory=set)  # places of tokens that begin a clause as written
+    wishes: list[list[str]] = field(default_factory=list)  # words of each request to add, move or remove objects
+    beyond: list[str] = field(default_factory=list)  # words for what no parameter changes: "blurry"
 
     def content(self, start: int, end: int) -> list[Token]:
-        """The items from `start` to before `end` that are no fillers."""
+        """The tokens from `start` to before `end` that are no fillers."""
         return [item for item in self.items[max(start, 0) : end] if not item.filler]
 
 
 def passage(text: str, words: SceneDescription, vocabulary: Vocabulary, foreign: Collection[str] = ()) -> Passage:
-    """A prompt with its look words, of which nothing is bound; `foreign` are words of another language that are left in it."""
+    """The tokens and look words of a prompt, not bound yet; `foreign`: words of another language that are in it."""
     found = Passage([])
     for number, tokens in enumerate(Lexer(vocabulary, words, foreign).clauses(text)):
         start = len(found.items)
@@ -87,9 +87,9 @@ def passage(text: str, words: SceneDescription, vocabulary: Vocabulary, foreign:
 
 
 def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterator[Token]:
-    """The tokens of a clause; those of a wish to add or remove things are marked as `wished`.
+    """Yields the tokens of clause `number`; those of a request to add, move or remove objects are marked as `wished`.
 
-    A wish about looks, light or fog is not marked.
+    A request about looks, light or fog is not marked. Words of marked requests are added to `found.wishes`.
     """
     until = 0
     for index, token in enumerate(tokens):
@@ -105,7 +105,7 @@ def _without_wishes(number: int, tokens: list[Token], found: Passage) -> Iterato
 
 
 def _looks(found: Passage, start: int, vocabulary: Vocabulary) -> Iterator[PromptLook]:
-    """The look words of the clause that begins at a place, with the intensities and negations before them."""
+    """Yields the look words of the clause that begins at token `start`, with their intensities and negations."""
     prefix: list[str] = []
     strength, negated = 1.0, False
     for index, token in enumerate(found.items[start:], start):
@@ -140,7 +140,7 @@ def is_object(token: Token, vocabulary: Vocabulary) -> bool:
 
 
 def _with_changes(clause: int, tokens: list[Token], vocabulary: Vocabulary) -> list[Token]:
-    """A clause in which each object holds its present looks, see `Token.presents`: "the roof from red to slate"."""
+    """The tokens of a clause; objects of changes ("the roof from red to grey") get `presents`, their present looks."""
     for number in range(1, _MOST + 1):  # "make the red door blue and the white wall grey"
         letters = "".join(_letter(token, vocabulary) for token in tokens)
         matches = filter(None, (pattern.search(letters) for pattern in _CHANGES))
@@ -181,7 +181,7 @@ def _is_a_change(tokens: list[Token], match: re.Match[str]) -> bool:
 
 
 def _changed(number: int, tokens: list[Token], match: re.Match[str]) -> list[Token]:
-    """A clause in which an object holds its present looks; its wished looks have the same number of the change."""
+    """The tokens of a clause after one change: the object gets `presents`; object and wished looks get `number`."""
     looks = tuple(tokens[place] for place in range(*match.span("a")))
     named = match.groupdict().get("x") is not None
     owner = match.end("x") - 1 if named else match.end("a") - 1

@@ -24,18 +24,18 @@ from .types import GLOW, STRONGEST, WEAKEST, Attribute, MaterialLook, Parsed, Sc
 _PLAIN = "Use plain look words that the vocabulary knows."
 _MAIN = 0.7  # least share of the subject that has one color, for a subject of one material
 _UNSURE = 0.35
-"""A word that is no look word with a greater probability is not used; chosen on a half of tests/words/ordinary_words.toml."""
+"""Probability of being no look word from which a word is unused; chosen on half of tests/words/ordinary_words.toml."""
 _RIVAL = 0.6  # least probability of a rival, as a share of that of the likeliest pair
-_LARGER = 2.0  # least multiple of its area in the image
+_LARGER = 2.0  # least area of a rival in the image, as a multiple of that of the likeliest pair
 _LESS = 0.7  # share of the opposite that "less" asks for
-_KINDS = {"lights": "light", "key": "light", "air": "fog"}  # of target -> of thing, where they differ
+_KINDS = {"lights": "light", "key": "light", "air": "fog"}  # kind of target -> kind of thing, where they differ
 _OF_SLOT = {"lighting": "light", "atmosphere": "fog", "grade": "tone", "setting": "surroundings"}
 """Slot -> kind of thing that its words are about in an image as a whole."""
 
 
 @dataclass
 class PromptReading:
-    """A prompt whose look words are bound."""
+    """A prompt whose look words are bound, with all that each of them may describe."""
 
     vocabulary: Vocabulary
     scene: SceneDescription
@@ -44,7 +44,7 @@ class PromptReading:
     chosen: list[TargetPair]  # the pair of each look word
     subject: str  # the prompt's name for the subject, or the scene's
     parsed: Parsed  # the result, without what `attributes.complete` adds
-    is_part: bool  # whether the text is the meaning of a mood
+    is_part: bool  # whether the text is the plain wording that a mood stands for
     mentioned: list[NamedThing] = field(default_factory=list)  # nouns with a surface
     absent: set[int] = field(default_factory=set)  # numbers of the look words whose object the scene lacks
     unused: set[int] = field(default_factory=set)  # numbers of the look words that are left out
@@ -53,7 +53,7 @@ class PromptReading:
 
     @cached_property
     def probabilities(self) -> list[list[tuple[TargetPair, float]]]:
-        """The likeliest pairs of each look word with their probabilities, without the artist's choices."""
+        """For each look word, its pairs with their probabilities, the likeliest first; ignores the artist's choices."""
         return [likeliest(pairs, self.weights) for pairs in self.pairs.pairs]
 
 
@@ -68,15 +68,15 @@ def read_words(
     english: Mapping[str, str] | None = None,
     is_part: bool = False,
 ) -> PromptReading:
-    """Scores every look word with everything that it may describe, and takes the likeliest.
+    """A prompt with every look word bound to the target that the artist chose for it, else to the likeliest one.
 
     Args:
         targets: Word -> the target that the artist has chosen for it.
-        english: Word -> the same in English, where the artist's prompt is in another language.
-        is_part: Whether the text is the meaning of a mood, which has no mood in it.
+        english: Word -> its English, if the artist's prompt is in another language.
+        is_part: Whether the text is the plain wording that a mood stands for; it may have no mood in it.
 
     Raises:
-        VibeError: The scene has nothing of a name that was chosen.
+        VibeError: The scene has nothing with a chosen name, or a word cannot describe its chosen target.
     """
     weights = shipped_weights() if weights is None else weights
     pairs = reading(text, scene, vocabulary, foreign)
@@ -135,7 +135,7 @@ def _likeliest_pairs(
 
 
 def _unknown(read: PromptReading) -> Iterator[str]:
-    """Words that name nothing that is known, and are no look either."""
+    """Yields the words that are not used: nouns that name nothing known, words that may be looks, and numbers."""
     items, mentions = read.pairs.passage.items, read.pairs.mentions
     bound = {pair.look.index for pair in read.chosen if pair.target.kind != "none"}
     named = {m.text for m in mentions if m.named}
@@ -148,9 +148,9 @@ def _unknown(read: PromptReading) -> Iterator[str]:
 def _main_first(
     ranked: list[tuple[TargetPair, float]], pairs: PromptPairs, scene: SceneDescription
 ) -> list[TargetPair]:
-    """Pairs, the likeliest first.
+    """The pairs of one look word, the likeliest first.
 
-    Of two materials that one noun names and that are about as likely, the larger one comes first: a scooter's paint, not its seat.
+    Of two about equally likely materials that one noun names, the larger comes first: a scooter's paint, not its seat.
     """
     first, best = ranked[0]
     found = [pair for pair, _ in ranked]
@@ -176,10 +176,10 @@ def _in_its_light(
     phrases: Mapping[int, tuple[int, ...]],
     vocabulary: Vocabulary,
 ) -> TargetPair:
-    """A look word's pair; with light as its target if it is in the description of a light, "a pink one at the left".
+    """`pair`, or the one of `pairs` for light if its word is in the description of a light: "a pink one at the left".
 
-    It keeps a target that this description names: "an orange sun behind the red cars". A word that both lights and surfaces
-    can have is the light's where the named surface glows: "globes brighter".
+    A target that the description names stays: the cars of "an orange sun behind the red cars". A word for both lights
+    and surfaces ("globes brighter") is about light if the named surface glows.
     """
     if pair.target.mention >= 0 and "lamp" in vocabulary.adjectives.get(pair.look.token.adjective, {}):
         same = [p for p in pairs if p.target.kind == "lights" and p.target.mention == pair.target.mention]
@@ -195,10 +195,10 @@ def _in_its_light(
 
 
 def _alike_in_pairs(row: list[TargetPair], ranked: list[list[TargetPair]], vocabulary: Vocabulary) -> list[TargetPair]:
-    """Pairs of look words, where two neighbors describe one thing.
+    """The pairs of `row`, changed where two neighboring look words describe the same target.
 
-    Of two colors that "and" joins, both are the light's if one is: "cyan and magenta light". A color before a substance is that
-    substance's: "gray stone" without a stone colors no light.
+    Of two colors that "and" joins, both are of the light if one is: "cyan and magenta light". A color before a
+    substance is of the substance: "gray stone" colors no light.
     """
     found = list(row)
     for n, (first, second) in enumerate(pairwise(row)):
@@ -230,7 +230,7 @@ def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
     rig = rig_table().rigs.get(token.entry)
     mentions = {p.target.mention for p in read.chosen if p is not pair and p.target.kind in MATTER} - {-1}
     is_described = any(read.pairs.mentions[mention].covers(pair.look.index) for mention in mentions)
-    # "fire" of "blue fire" is the object that "blue" describes; an hour is of the image, though a lamp may be called "sun"
+    # "fire" of "blue fire" is the object that "blue" describes; an hour describes the image, even if a lamp is a "sun"
     if kind == "light" and is_a_name and is_described and not (rig and rig.kind in TIMES):
         return None
     if number in read.absent or _is_unsure(read, number):
@@ -244,7 +244,7 @@ def _attributes_of(read: PromptReading, number: int) -> list[Attribute] | None:
 
 
 def _is_unsure(read: PromptReading, number: int) -> bool:
-    """True if a word is likely no look word, and no noun names what it describes."""
+    """True if look word `number` is probably used for no look, and no noun names its target."""
     target = read.chosen[number].target
     if target.mention >= 0 or target.kind not in (*MATTER, "picture") or len(read.chosen) == 1:
         return False
@@ -252,7 +252,7 @@ def _is_unsure(read: PromptReading, number: int) -> bool:
 
 
 def _attributes(read: PromptReading, pair: TargetPair, entry: str, thing: Attribute) -> list[Attribute]:
-    """The attributes that a look word gives a thing; a mood brings those of its meaning, each read without a scene."""
+    """The attribute of a look word at target `thing`, then, for a mood, those of its plain wording without a scene."""
     word, token = pair.look, pair.look.token
     known = read.vocabulary.entries.get(entry)
     less = word.less
@@ -289,7 +289,7 @@ def _attributes(read: PromptReading, pair: TargetPair, entry: str, thing: Attrib
 
 
 def _thing(read: PromptReading, pair: TargetPair) -> Attribute:
-    """The target of a pair as an attribute without a word; a target with a surface is added to `mentioned`."""
+    """The target of a pair as an attribute with an empty word; one with a surface is added to `read.mentioned`."""
     target, slot, word = pair.target, pair.sense.slot, pair.look.token.text
     kind, is_named = target.kind, target.mention >= 0
     if kind in MATTER:
@@ -331,9 +331,9 @@ def _matter(read: PromptReading, pair: TargetPair) -> Attribute:
 
 
 class AbsentObjects:
-    """Nouns of a prompt that name an object which its scene lacks.
+    """Finds nouns of a prompt that name an object which the scene lacks.
 
-    A single one is the artist's name for the subject, if the subject is of one material and no other noun names it.
+    A single such noun is the artist's name for the subject, if the subject has one color and no other noun names it.
     """
 
     def __init__(self, found: PromptPairs, scene: SceneDescription, vocabulary: Vocabulary) -> None:
@@ -345,17 +345,17 @@ class AbsentObjects:
         self.subject = self._subject_name()  # the prompt's name for the subject, or ""
 
     def noun_of(self, pair: TargetPair) -> str:
-        """The absent object that a look word describes; "" where it describes none."""
+        """The noun that a look word describes, if the scene lacks its object; else ""."""
         token = pair.look.token
         slot = "color" if token.color else self._vocabulary.slot(token.entry) or pair.sense.slot
-        # "darker" of a thing is a color, though where no thing is said it would be of the whole image
+        # "darker" of a thing is a color; with no thing in the prompt, it describes the whole image
         sense = sense_at(token, "things", self._vocabulary) if pair.target.kind == "picture" else None
         may_lack = self._scene.materials and (slot in SURFACE or (sense and sense.way == "row"))
         own = self._own.of(pair.look.index) if may_lack else None
         return own.text if own and own.text != self.subject and self._is_absent(own) else ""
 
     def _is_absent(self, noun: NounMention) -> bool:
-        """True if a noun names an object, and none in the scene."""
+        """True if a noun names an object that the scene lacks."""
         words, seen = self._vocabulary.words, bool(self._scene.looks)
         if noun.named or noun.noun == "unknown":
             return not noun.named
@@ -366,7 +366,7 @@ class AbsentObjects:
         return is_part and seen and not self._is_of_one_color()
 
     def _subject_name(self) -> str:
-        """The only absent object that the prompt describes, as its name for the subject; "" if the subject has a clear name."""
+        """The only absent object that look words describe: the artist's name for the subject; "" if it is unclear."""
         mentions, looks = self._found.mentions, self._found.passage.looks
         places = {look.index for look in looks}  # "a dim workshop" is a look of the whole image
         nouns = [n for look in looks if (n := self._own.of(look.index)) and n.start not in places]
@@ -381,7 +381,7 @@ class AbsentObjects:
         return names.pop() if is_clear and self._is_of_one_color() and not self._has_a_name() else ""
 
     def _has_a_name(self) -> bool:
-        """True if the largest part of the subject is called what it is, and not by a substance, a part or a shape."""
+        """True if the subject's largest part is named after what it is, not after a substance, a part or a shape."""
         general = frozenset[str]().union(*map(name_words, ("primitives", "limbs", "details", "pipeline")))
         wearers = (name for name, worn in self._scene.object_materials.items() if self._main in worn)
         words = {word for name in (self._main, *wearers) for word in parts(name)}

@@ -35,7 +35,7 @@ _BY_LOOK = frozenset({"material exact", "by look"})
 
 @dataclass(frozen=True)
 class Named:
-    """Materials or lights that words may name."""
+    """Materials or lights of the scene that one noun may name."""
 
     kind: str  # "things" or "lights"
     names: frozenset[str]  # of materials, or of lights; glows among lights start with `GLOW`
@@ -46,40 +46,40 @@ class Named:
 class NounMention:
     """A noun, or several that belong together ("box and cup")."""
 
-    start: int  # place of its first item
-    end: int  # place of its last item
+    start: int  # place of its first token
+    end: int  # place of its last token
     text: str
-    noun: str = ""  # kind by the vocabulary's nouns; "others" for what was not named, "unknown" if unknown
-    role: str = ""  # "key", "fill" or "rim", where it names one
+    noun: str = ""  # kind by the vocabulary's nouns; "others" for "the rest", "unknown" for an unknown noun
+    role: str = ""  # role of lights that it names: "key", "fill" or "rim"
     named: tuple[Named, ...] = ()  # what it may name in the scene
-    members: int = 1  # of several nouns, how many
+    members: int = 1  # number of nouns that it joins; 1 for a single noun
     excepted: bool = False  # the prompt leaves it out: "everything but the floor"
 
     def covers(self, index: int) -> bool:
-        """True if an item is one of its own."""
+        """True if the token at place `index` is part of this noun."""
         return self.start <= index <= self.end
 
 
 def fit_signs(named: Named) -> dict[str, str]:
-    """Signs that say how well words fit a name -> the way of `FITS`: "object exact" -> "exact"."""
+    """Sign that says how well words fit a name -> its way of `FITS`: "object exact" -> "exact"."""
     return {sign: way for sign in named.signs for way in FITS if sign.endswith(f" {way}")}
 
 
 def fit_rank(named: Named) -> int:
-    """Place in `FITS` of the surest way in which words fit the names, 0 for the surest."""
+    """Place in `FITS` of the surest way in which words fit the names: 0 for the surest; len(FITS) if none has a way."""
     return min((FITS.index(way) for way in fit_signs(named).values()), default=len(FITS))
 
 
 def is_alike(one: Values | None, other: Values | None) -> bool:
-    """True if two colors are the same to the eye of somebody who names them."""
+    """True if people would call two sRGB colors the same; False if one is unknown."""
     return one is not None and other is not None and math.dist(*map(oklab_from_srgb, (one, other))) < _SAME
 
 
 def surest(mention: NounMention, kind: str, first: str) -> Named | None:
-    """The surest of what a mention names; None if it names nothing of a kind.
+    """The surest of what a noun names of a kind, "things" or "lights"; None if it names nothing of that kind.
 
-    Of equally sure ones, one with a sign that begins with `first` is preferred: "material" or "object" for the source of the
-    name, "first" or "whole" for a part or all of a thing.
+    Of equally sure ones, one with a sign that begins with `first` is preferred: "material" or "object" for the source
+    of the name, "first" or "whole" for the first or all materials of an object.
     """
 
     def rank(named: Named) -> tuple[int, bool]:
@@ -94,7 +94,7 @@ def materials_of(region: str, words: SceneDescription) -> frozenset[str]:
 
 
 def taken(mentions: Iterable[NounMention], words: SceneDescription) -> frozenset[str]:
-    """The materials that nouns name in the surest way; an excepted noun without a name stands for its part of the image."""
+    """Materials that nouns name in the surest way; an excepted noun that names none means its part of the image."""
     names: set[str] = set()
     for mention in mentions:
         best = surest(mention, "things", "object") if mention.members == 1 else None
@@ -105,7 +105,7 @@ def taken(mentions: Iterable[NounMention], words: SceneDescription) -> frozenset
 
 
 class SceneIndex:
-    """Finds what words may name; `SceneDescription.made` keeps it with the scene."""
+    """Finds the materials, lights and objects that words may name; `SceneDescription.made` keeps it with the scene."""
 
     def __init__(self, words: SceneDescription, vocabulary: Vocabulary) -> None:
         self.words, self._vocabulary = words, vocabulary
@@ -123,17 +123,17 @@ class SceneIndex:
         self.named: Callable[[tuple[str, ...]], list[Named]] = lru_cache(_WORDS)(self._named)
 
     def objects(self, said: tuple[str, ...]) -> list[str]:
-        """The objects whose names words fit best."""
+        """Names of the objects that the words `said`, as `parts` gives them, fit best; [] if they fit none."""
         ways = self._ways(said, self._objects)
         surest = best(ways.values())
         return [name for name, way in ways.items() if way == surest]
 
     def parts_of(self, name: str) -> tuple[str, ...]:
-        """The parts of an object that are objects of their own."""
+        """Names of the limbs of object `name` that are objects, too, see `names.limbs`."""
         return self._parts.get(name, ())
 
     def _alike(self, part: str, whole: str) -> list[str]:
-        """The materials of a part that look like its whole, as far as colors are known: a couch's legs are of wood."""
+        """Materials of object `part` with a color of object `whole`, or of unknown color: not a couch's wooden legs."""
         looks = {name: look.color for name, look in self.words.looks.items() if look.color}
         own = [looks[m] for m in self.words.object_materials.get(whole, ()) if m in looks]
         worn = self.words.object_materials.get(part, ())
@@ -147,12 +147,12 @@ class SceneIndex:
         return [Named(kind, names, frozenset(signs)) for (kind, names), signs in found.items()]
 
     def _ways(self, said: tuple[str, ...], names: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
-        """Name that words fit -> the way; names with the same parts are compared once."""
+        """Name that the words `said` fit -> the way, see `FITS`; `names`: name -> its words, as `parts` gives them."""
         ways = {its: fit(said, its, self._vocabulary) for its in {*names.values()}}
         return {name: ways[its] for name, its in names.items() if ways[its]}
 
     def _found(self, said: tuple[str, ...]) -> Iterator[tuple[str, Iterable[str], tuple[str, ...]]]:
-        """What words may name: its kind, the names of materials or lights, and the signs by which they were found."""
+        """Yields kind, names and signs, as in `Named`, of all that the words `said` may name; names may be empty."""
         worn, groups = self.words.object_materials, self.words.groups
         sources = {"material": self._materials, "object": self._objects, "group": self._groups}
         fitting = {source: self._ways(said, names) for source, names in sources.items()}
@@ -190,7 +190,7 @@ class SceneIndex:
 
 
 class LookIndex:
-    """Finds what a noun means by present looks: the color and the shape of materials."""
+    """Finds the materials that a noun means by their present look: by color and shape."""
 
     def __init__(self, words: SceneDescription, vocabulary: Vocabulary) -> None:
         self._vocabulary = vocabulary
@@ -198,7 +198,7 @@ class LookIndex:
         self._looks = {n: look for n, look in looks if look.share >= _SEEN and n in words.materials}
 
     def told(self, noun: Token, named: list[Named]) -> list[Named]:
-        """The materials that a noun clearly means by its present look or shape, also of those that it names."""
+        """Materials that `noun` clearly means by present color or shape, of `named` or, if that is empty, of all."""
         color = next((look.color for look in noun.presents if look.color), None)
         things = [n for n in named if n.kind == "things"]
         if noun.presents and things:
@@ -211,7 +211,7 @@ class LookIndex:
         return [Named("things", shaped, _BY_LOOK)] if shaped else []
 
     def shaped(self, noun: str) -> frozenset[str]:
-        """The materials with the shape that a noun says: "the roof"."""
+        """Materials with the shape that a noun names ("roof", "floor"); empty if there are none."""
         words = {noun, noun.rpartition(" ")[2]}
         kinds = {kind for kind in STRUCTURES if words & self._vocabulary.words[kind]}
         there = frozenset[str]().union(*(look.structures for look in self._looks.values()))
@@ -219,7 +219,7 @@ class LookIndex:
         return frozenset(name for name, look in self._looks.items() if kinds & look.structures)
 
     def _of_color(self, color: Values | None, names: Iterable[str]) -> frozenset[str]:
-        """Those of some materials that have a color; none if a rival's color is nearly as near, and it is not much smaller."""
+        """Those of the materials `names` that have a color; empty if a rival is about as near and not much smaller."""
         far = {n: _distance(color, self._looks[n]) for n in names if color and n in self._looks}
         nearest = min(far.values(), default=math.inf)
         if nearest >= _NEAR:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Targets, which look words may describe in a scene; the sense of a word there ("gold" on a bowl is a metal); and the artist's choices."""
+"""Targets that look words may describe; the sense of a word at a target ("gold" on a bowl is a metal); and choices."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -31,26 +31,26 @@ _KINDS = {
     "fill": ("lamp", "fill", "light"), "rim": ("lamp", "rim", "light"), "light": ("light",), "shadow": ("shadow",), "highlight": ("highlight",),
     "sky": ("sky",), "air": ("fog",), "picture": ("tone",),
 }  # fmt: skip
-"""Kind of target -> kinds of things that the vocabulary's adjectives know, the first one first."""
+"""Kind of target -> kinds of things in the vocabulary's rows of adjectives; the first that a row has counts."""
 _SLOTS = {
     "surroundings": ("setting",), "sky": ("setting", "lighting", "atmosphere"), "air": ("atmosphere",),
     "light": ("lighting",), "shadow": ("lighting", "grade"), "highlight": ("lighting", "grade", "finish"), "picture": ("lighting", "atmosphere", "grade", "mood", "setting"),
 }  # fmt: skip
-"""Kind of target -> slots of words that describe it, besides surfaces and particular lights."""
-_NAMES = 8  # names of one target: more are not worth reading
+"""Kind of target -> slots of words that describe it; surfaces and particular lights have other rules."""
+_NAMES = 8  # most names that the text of one target has
 _TARGET_OF = {"light": "light", "fog": "air", "sky": "sky", "shadow": "shadow", "highlight": "highlight"}
 """Kind of thing -> kind of target, where that is not a region."""
 
 
 @dataclass(frozen=True)
 class Target:
-    """Something that a look word may describe."""
+    """A target: materials, lights or a part of the image that a look word may describe."""
 
     # "things", "lights", "shadow", "highlight", one of the labels of `UNNAMED`, "others", "key", "fill" or "rim"
     kind: str
     names: frozenset[str] = frozenset()  # of the materials or lights; empty where the kind says it all
-    mention: int = -1  # number of the mention that names it; -1 if none does
-    signs: frozenset[str] = field(default=frozenset(), compare=False)  # how its names were found
+    mention: int = -1  # place in `PromptPairs.mentions` of the noun that names it; -1 if none does
+    signs: frozenset[str] = field(default=frozenset(), compare=False)  # how its names were found, see `scene.Named`
 
     def __str__(self) -> str:
         return f"{self.kind}: {' + '.join(sorted(self.names))}" if self.names else self.kind
@@ -62,23 +62,23 @@ class Sense:
 
     entry: str  # of the vocabulary; "" for the color that the word names
     slot: str  # of the entry
-    way: str  # "row" of the vocabulary's adjectives, "own" entry, "color", "otherwise", or "elsewhere"
+    way: str  # how it was found: "row" of the vocabulary's adjectives, "own" entry, "color", "otherwise", "elsewhere"
 
 
 @dataclass(frozen=True)
 class TargetPair:
-    """A look word with something that it may describe."""
+    """A look word and one of the targets that it may describe."""
 
     look: PromptLook
     target: Target
-    sense: Sense  # of the word there
-    features: tuple[str, ...]  # facts about the two, each once, in order: sums are the same in every process
-    chosen: str = ""  # name of the target that the artist has chosen; "" where the reader has
+    sense: Sense  # of the word at this target
+    features: tuple[str, ...]  # facts about word and target, sorted: sums of weights are the same in every process
+    chosen: str = ""  # name of the target if the artist has chosen it; "" if the reader has
 
 
 @dataclass(frozen=True)
 class PromptPairs:
-    """A prompt before it is bound: `pairs` has, for each look word in order, everything that it may describe."""
+    """A prompt before it is bound: `pairs` has a list for each look word in order, with all that it may describe."""
 
     passage: Passage
     mentions: list[NounMention]
@@ -86,7 +86,7 @@ class PromptPairs:
 
 
 def targets(mentions: list[NounMention], words: SceneDescription) -> list[Target]:
-    """All targets of a prompt."""
+    """All targets that look words of a prompt may have: those that need no noun, then those that its nouns name."""
     found = [Target(kind) for kind in UNNAMED]
     for number, mention in enumerate(mentions):
         found += (Target(named.kind, named.names, number, named.signs) for named in mention.named)
@@ -148,14 +148,14 @@ def _describes(entry: str, kind: str, vocabulary: Vocabulary) -> bool:
 
 
 def target_name(target: Target, scene: SceneDescription) -> str:
-    """The name of something that a word may describe; "" where it has none."""
+    """The name of a target, as `--target` takes it: "Cup + Lid", "image"; "" if it has none."""
     if target.names and target.kind not in ROLES:
         return _joined_names(target.names, scene, is_matter=target.kind in MATTER)
     return NAME_OF.get(target.kind, "")
 
 
 def described_name(attribute: Attribute, scene: SceneDescription) -> str:
-    """The name of what an attribute describes."""
+    """The name of what an attribute describes, as `--target` takes it: "Cup + Lid", "image"."""
     names = _joined_names(attribute.lights, scene, is_matter=False)
     names = names or _joined_names(attribute.owners, scene, is_matter=True)
     region = attribute.region if attribute.region in ("subject", "surroundings") else "picture"
@@ -164,9 +164,9 @@ def described_name(attribute: Attribute, scene: SceneDescription) -> str:
 
 
 def _joined_names(names: Collection[str], scene: SceneDescription, is_matter: bool) -> str:
-    """Several names as one; "" if they are none or too many.
+    """Names of materials (`is_matter`) or lights, joined by " + "; "" for none or for more than `_NAMES`.
 
-    Materials are called by the objects that wear no others, if these objects wear all of the materials.
+    Materials are named by the objects that wear no other materials, if these objects wear all of them.
     """
     if not is_matter:
         found = [name for name in scene.lights if name in names]
@@ -179,7 +179,7 @@ def _joined_names(names: Collection[str], scene: SceneDescription, is_matter: bo
 
 
 def key_numbers(texts: Sequence[str]) -> list[str]:
-    """Ends of the keys of look words: "#2" for the second of equal words, "" for a word that the prompt has once."""
+    """The end of each look word's key: "#1", "#2" and so on for equal words, "" for a word that the prompt has once."""
     each = ((text, texts[: number + 1].count(text)) for number, text in enumerate(texts))
     return [f"{NUMBER}{count}" if texts.count(text) > 1 else "" for text, count in each]
 
@@ -197,13 +197,13 @@ def with_choices(
     scene: SceneDescription,
     vocabulary: Vocabulary,
 ) -> tuple[list[TargetPair], list[str]]:
-    """Look words with the targets that the artist has chosen, if any; and the words of choices that are no look words.
+    """The pairs of `row`, with the artist's choices in place of the reader's; and words of choices without a look word.
 
     Raises VibeError if the scene has nothing with a chosen name, or if a word cannot describe its target.
 
     Args:
         choices: Word of the prompt -> a name in the scene, several with " + ", or one of `schema.targets.GENERAL`.
-        english: Word of the prompt -> the same in English, where the prompt is in another language.
+        english: Word of the prompt -> its English, if the prompt is in another language.
     """
     targets = {key: _target(plain_key(key), name, scene) for key, name in choices.items()}
     used, found = set[str](), list[TargetPair]()
@@ -228,7 +228,7 @@ def with_choices(
 
 
 def _target(word: str, name: str, scene: SceneDescription) -> Target:
-    """The target of a name in a scene, or of several names that " + " joins."""
+    """The target with a name, or with several that " + " joins. Raises VibeError, which names `word`, for others."""
     found = _named(name, scene)
     several = [_named(part, scene) for part in target_names(name)]
     if found is None and all(several):
@@ -244,7 +244,7 @@ def _target(word: str, name: str, scene: SceneDescription) -> Target:
 
 
 def _named(name: str, scene: SceneDescription) -> Target | None:
-    """The target of a name in the scene, or of a general name; None if there is neither.
+    """The target with a name in the scene, or with a general name such as "image"; None if nothing has that name.
 
     A name in the scene comes before a general one only if it has the same upper and lower case.
     """

@@ -36,7 +36,7 @@ class MaterialLook:
 
     color: Values | None = None  # sRGB in [0, 1], of its glow if it glows; None if unknown
     glows: bool = False  # whether it emits light
-    share: float = 0.0  # of the image's pixels
+    share: float = 0.0  # of the image's pixels that show it
     worn: Mapping[str, float] = field(default_factory=dict)  # object -> its share of the image with it
     # what its shape clearly is: "ground", "support" (the subject stands on it), "wall", "roof", "ceiling"; "walls" for
     # each of several materials of walls
@@ -45,7 +45,7 @@ class MaterialLook:
 
 @dataclass(frozen=True)
 class Glow:
-    """Light of a material that emits."""
+    """Light that a material emits."""
 
     light: float  # radiance of a white surface at the subject that faces it, if its own radiance is 1
     azimuth: float  # direction in which it is seen from the subject, degrees, as in `schema.orbit`
@@ -92,21 +92,21 @@ class SceneDescription:
     environment_luminance: float = 0.5  # mean luminance of a linked environment at strength 1, untinted
     backdrop_luminance: float = 0.5  # the same of a linked backdrop that only the camera sees
     texture_luminance: dict[str, float] = field(default_factory=dict)  # of each material's linked base color
-    values: dict[str, Values] = field(default_factory=dict)  # current ones by key; else the artist's
+    values: dict[str, Values] = field(default_factory=dict)  # key -> current value, or the artist's if there is none
     picture: PictureStats | None = None  # of the image that these values give; None before the first one
     # copy of a material that the words need -> the objects that are to wear it, see `schema.material_copies`
     copies: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     _made: dict[Any, tuple[Vocabulary, Any]] = field(init=False, repr=False, compare=False, default_factory=dict)
 
     def made(self, make: Callable[[SceneDescription, Vocabulary], T], vocabulary: Vocabulary) -> T:
-        """An object made of this description and a vocabulary; it is made once and kept."""
+        """The object `make(self, vocabulary)`, which is made once and kept."""
         if make not in self._made or self._made[make][0] is not vocabulary:
             self._made[make] = vocabulary, make(self, vocabulary)
         made: T = self._made[make][1]
         return made
 
     def light(self, name: str) -> LightDescription:
-        """A light by its name, an added one too."""
+        """The description of a light of the scene, or of an added one, by its name; an empty one for other names."""
         return self.lights.get(name) or self.added_lights.get(name) or LightDescription()
 
 
@@ -116,8 +116,8 @@ class Attribute:
 
     word: str  # as the prompt says it, with its intensity or negation: "very glossy", "no fog"
     entry: str  # name of the vocabulary entry, or of the color
-    # "color", "finish", "material", "lighting", "atmosphere", "grade", "mood" or "setting"; "picture" of what a reference
-    # image says, whose file is then the entry
+    # "color", "finish", "material", "lighting", "atmosphere", "grade", "mood" or "setting"; "picture" for a reference
+    # image, whose file is then the entry
     slot: str
     region: Region  # of the image
     kind: str = "subject"  # of what it describes: "subject", "surroundings", "sky", "light", "fog", ...
@@ -135,9 +135,9 @@ class Attribute:
     shades: tuple[tuple[float, float, float, float], ...] = ()
     lights: tuple[str, ...] = ()  # lights that the words single out; of a glow "material/NAME"
     english: str = ""  # the word in English, where the prompt says it in another language
-    place: tuple[int, int] | None = None  # in a prompt of another language; None if unknown
+    place: tuple[int, int] | None = None  # start and end in a prompt of another language; else None
     phrases: tuple[int, ...] = ()  # numbers of lights that the prompt describes one by one
-    look: int = field(default=-1, compare=False)  # its number in the prompt, from 0; -1 where none is bound
+    look: int = field(default=-1, compare=False)  # number of the look word in the prompt, from 0; -1 without one
 
     @property
     def grades(self) -> bool:
@@ -178,7 +178,7 @@ class PromptObject:
 
 @dataclass(frozen=True)
 class Candidate:
-    """Something that a word may describe."""
+    """A possible target of a word."""
 
     name: str  # as `--target` takes it, see `schema.targets`
     probability: float  # by the reader's weights, in the prompt as a whole
@@ -186,7 +186,7 @@ class Candidate:
 
 @dataclass(frozen=True)
 class PromptWord:
-    """A word of the prompt, understood: a look word, or a word that is not used."""
+    """A word of the prompt, for reports: a look word with its target, or a word that is not used."""
 
     text: str  # as the prompt says it, with its intensity or negation: "very glossy"
     key: str  # what `--target` calls it: "glossy", or "red#2" where the prompt says it several times
@@ -209,18 +209,18 @@ class PromptWord:
 
 @dataclass(frozen=True)
 class SaidLink:
-    """Words of the prompt that say which objects a light is to light."""
+    """A passage of the prompt that says which objects a light is to light."""
 
     text: str  # the words, as the prompt has them
     only: bool  # whether it lights only these objects, or all but them
     objects: tuple[str, ...]
-    role: str  # "key", "fill" or "rim" of a light that the scene may lack; "" for one that is named
-    lights: tuple[str, ...] = ()  # names of those that the scene has
+    role: str  # "key", "fill" or "rim", if the noun stands for a role of lights; else ""
+    lights: tuple[str, ...] = ()  # names of the scene's lights that the noun names
 
 
 @dataclass
 class Parsed:
-    """A prompt, understood."""
+    """A prompt as read: its look words, bound to what they describe, and what else it says."""
 
     prompt: str  # the text, white space tidied
     objects: list[PromptObject] = field(default_factory=list)  # at least one for the subject
@@ -232,6 +232,6 @@ class Parsed:
     absent: tuple[str, ...] = ()  # nouns of look words that name nothing in the scene
     undone: bool = False  # whether some of it asks to add, move or remove objects
     protected: tuple[str, ...] = ()  # owners that are to stay: "material/Plaster", "light/Key", "world"
-    links: tuple[SaidLink, ...] = ()  # what it says of the objects that lights light
+    links: tuple[SaidLink, ...] = ()  # its passages on the objects that lights are to light
     words: tuple[PromptWord, ...] = ()  # its look words and what is left out, in the order of the text
-    unknown: VibeError | None = None  # why nothing in it is understood; None where something is
+    unknown: VibeError | None = None  # says why nothing in it is understood; None if something is

@@ -29,7 +29,7 @@ _EFFECT = re.compile(
     r"(?P<owner>\w+)/(?P<name>\w+)(?: (?P<mode>[a-z]+))? (?P<args>\S+)(?P<weak> \?)?(?: !(?P<priority>\d+))?"
 )
 _NUMBERS = {"plus": 1, "near": 1, "camera": 1, "sides": 1, "lightness": 1, "share": 1, "shade": 2}
-"""Mode -> how many numbers an end of a range has; of other modes one, or as many as the parameter has components."""
+"""Mode -> count of numbers at each end of a range; for other modes, one or as many as the parameter has components."""
 _LARGEST = 1e9
 
 
@@ -52,7 +52,7 @@ class Effect:
         return f"{OWNERS[self.owner]}/{self.name}"
 
     def __str__(self) -> str:
-        """As `parse_effect` reads it."""
+        """The effect as a text that `parse_effect` reads."""
         ends = "..".join(",".join(f"{v:.6g}" for v in end) for end in (self.lower, self.upper))
         mode = f" {self.mode}" if self.mode else ""
         weak = " ?" if self.weak else ""
@@ -84,7 +84,7 @@ class VocabularyEntry:
 
     @property
     def effects(self) -> tuple[Effect, ...]:
-        """All that it does to parameters."""
+        """The effects of all its wishes on parameters."""
         return tuple(effect for wish in self.wishes for effect in wish.effects)
 
     @property
@@ -114,7 +114,7 @@ def temperature(entry: str) -> int | None:
 
 
 def at_line(path: Path | str, text: str, problem: str, remedy: str, *quotes: str) -> VibeError:
-    """An error that names a line of a file: the first with the first quote, or from there the first with the next quote."""
+    """An error that names a line of a file: the last match when each quote is searched from the match before."""
     lines, line = text.splitlines(), 0
     for quoted in quotes:
         line = next((i for i in range(line, len(lines)) if quoted in lines[i]), line)
@@ -122,7 +122,7 @@ def at_line(path: Path | str, text: str, problem: str, remedy: str, *quotes: str
 
 
 def parse_effect(text: str) -> Effect:
-    """Reads "material/roughness 0.03..0.15 ? !2". Raises VibeError if it has another form, or does not fit the schema."""
+    """Reads "material/roughness 0.03..0.15 ? !2". Raises VibeError for a wrong form or a misfit of the schema."""
     match = _EFFECT.fullmatch(text.strip())
     form = _wrong(f"'{text}' is not an effect", "Write 'OWNER/PARAMETER [MODE] LOWER..UPPER'.")
     if not match or match["owner"] not in OWNERS:
@@ -155,7 +155,7 @@ def _wrong(problem: str, remedy: str) -> VibeError:
 
 
 def _misfit(parameter: Parameter, mode: str, lower: Values, upper: Values) -> str:
-    """The remedy for an effect whose mode or numbers (none for colors) its parameter cannot have; "" for one that fits."""
+    """The remedy for an effect whose mode or range its parameter cannot have; "" if it fits. Colors have no range."""
     color, turns = parameter.kind == "color", parameter.name == "azimuth"
     light = parameter.name in ("power", "strength") and parameter.group in ("light", "world")
     fits = {"plus": not color, "shade": color, "camera": turns, "sides": turns, "share": light}
@@ -174,7 +174,7 @@ def _misfit(parameter: Parameter, mode: str, lower: Values, upper: Values) -> st
 
 
 def read_entry(name: str, row: dict[str, Any]) -> VocabularyEntry:
-    """One [look.NAME] table. Raises VibeError if a row is missing, unknown, of the wrong type, or does not fit the schema."""
+    """The entry of one [look.NAME] table. Raises VibeError if a row is missing, unknown or wrong."""
     for key, value in row.items():
         if key not in _ROWS:
             raise _wrong(f"'{key}' is no row of an entry", f"Use some of: {', '.join(_ROWS)}.")
@@ -207,7 +207,7 @@ def read_entry(name: str, row: dict[str, Any]) -> VocabularyEntry:
 
 
 def read_wishes(texts: Iterable[str]) -> tuple[EntryWish, ...]:
-    """Reads the wishes of a word, grouped by quantity, in the order of the texts. Raises VibeError for a text that is no wish.
+    """Wishes of a word, one for each quantity, in the order of the texts. Raises VibeError for a text that is no wish.
 
     A text is a class ("finish is glossy"), an effect ("film/contrast 1.1..1.3 !2") or a claim ("thing gloss 12..").
     """

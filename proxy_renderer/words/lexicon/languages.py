@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Words beyond the vocabulary: spelling, lexicons of languages, names of things (things.toml), and English words as vectors.
+"""Words beyond the vocabulary: lexicons of other languages, names of things (things.toml), English words as vectors.
 
 The head of german.toml explains the lexicons; `lab/train/text/words.py` makes the vectors (words.safetensors).
 """
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 FILE = Path(__file__).with_name("words.safetensors")
 KINDS = ("known", "adjective", "noun")
-"""Kinds of words of the table: known look words, adjectives that may be look words, and nouns that may be substances."""
+"""Kinds of words in `WordTable`: look words, adjectives that may be look words, and nouns that may be substances."""
 _SHORTEST_STEM = 4  # characters of a stem
 _MAY_BE = 0.56  # least cosine with a known look word, for a word that may be a look word
 _LETTERS = str.maketrans({"ß": "ss", "ł": "l", "ø": "o", "đ": "d", "æ": "ae", "œ": "oe"})
@@ -36,7 +36,7 @@ TABLES = ("grammar", "behind", "looks", "things", "shades")  # if a wording is i
 _SHORTEST = 4  # characters of a word that may be a part of a compound ("Obermaterial")
 _CACHED = 16_384  # words whose bases and senses are cached
 Wording = tuple[str, ...]  # word by word
-Meaning = tuple[str, str]  # in English, "" for what English leaves out; and its table, one of `TABLES`
+Meaning = tuple[str, str]  # English wording, "" for what English leaves out; and its table, one of `TABLES`
 
 
 def folded(word: str) -> str:
@@ -70,7 +70,7 @@ def singular(word: str) -> str:
 
 
 def any_of(phrases: Iterable[str]) -> str:
-    """A pattern of any of the phrases, the longest that fits."""
+    """A regular expression for any of the phrases; of several that fit, the longest one matches."""
     return "(?:" + "|".join(map(re.escape, sorted(phrases, key=len, reverse=True))) + ")"
 
 
@@ -92,12 +92,12 @@ class LanguageLexicon:
 
     @cached_property
     def forms(self) -> frozenset[str]:
-        """All words in every form that `endings` allows; for languages with spaces they are many."""
+        """All words of its wordings in every form that `endings` allows; very many for languages with spaces."""
         ends = ((w.removesuffix(base), t) for w in self.words for t, base in self.endings if w.endswith(base))
         return self.words | {stem + typed for stem, typed in ends if stem}
 
     def find(self, words: Sequence[str]) -> tuple[Wording, Meaning] | None:
-        """The wording that words are a form of, and its meaning; None where they are none."""
+        """The wording that `words` are an inflected form of, and its meaning; None if there is none."""
         each = [_bases(self, folded(word)) for word in words]
         wording = next((wording for wording in product(*each) if wording in self.meanings), None)
         return (wording, self.meanings[wording]) if wording is not None else None
@@ -105,7 +105,7 @@ class LanguageLexicon:
 
 @lru_cache(_CACHED)
 def _bases(lexicon: LanguageLexicon, word: str) -> tuple[str, ...]:
-    """The words of a lexicon that one may be a form of, itself first."""
+    """The words of a lexicon of which `word` may be an inflected form, `word` itself first."""
     ends = ((t, base) for t, base in lexicon.endings if word.endswith(t) and word != t)
     stems = (word.removesuffix(typed) + base for typed, base in ends)
     return tuple(dict.fromkeys(known for known in (word, *stems) if known in lexicon.words))
@@ -113,12 +113,12 @@ def _bases(lexicon: LanguageLexicon, word: str) -> tuple[str, ...]:
 
 @cache
 def lexicons() -> tuple[LanguageLexicon, ...]:
-    """The lexicons that are shipped."""
+    """The lexicons of all languages in words/languages."""
     return tuple(map(load, sorted(Path(__file__).parents[1].joinpath("languages").glob("*.toml"))))
 
 
 def load(path: Path) -> LanguageLexicon:
-    """The lexicon of a file."""
+    """The lexicon in a file such as german.toml."""
     content = tomllib.loads(path.read_text("utf-8"))
     rows = {name: {e: listed(row) for e, row in content.get(name, {}).items()} for name in TABLES}
     meanings: dict[Wording, Meaning] = {}
@@ -139,7 +139,7 @@ def listed(row: str) -> list[str]:
 
 @lru_cache(_CACHED)
 def senses(word: str) -> frozenset[str]:
-    """What a word or a short phrase may mean, in a prompt or in a name: rows of things.toml, and its own singular."""
+    """Meanings of a word or short phrase of a prompt or name: the rows of things.toml with it, and its own singular."""
     rows, plain = thing_words(), singular(folded(word))
     found = rows.get(plain, frozenset())
     if not found and not word.isascii():
@@ -181,11 +181,11 @@ class WordTable:
     common: frozenset[str]  # frequent English words that say nothing about looks
 
     def is_english(self, word: str) -> bool:
-        """True if the table has a word, or its singular."""
+        """True if the table has a word, or the word without a final "s", as a look word or another English word."""
         return any(w in self.common or w in self.index for w in (word, word.removesuffix("s")))
 
     def find(self, word: str) -> int | None:
-        """The row of a word, or of one with the same stem: "soaking" is found as "soaked"."""
+        """The row of a word, or of one with the same stem ("soaked" for "soaking"); None if there is none."""
         if word in self.index:
             return self.index[word]
         short = stem(word)
@@ -195,7 +195,7 @@ class WordTable:
         return None if taken else row
 
     def vector(self, phrase: str) -> np.ndarray | None:
-        """Unit vector of a word or phrase; the mean of its words where the phrase as a whole has none."""
+        """Unit vector, (D,), of a word or phrase, or of the mean of a phrase's words; None if no word has a vector."""
         import numpy as np
 
         if phrase in self.index:
@@ -209,7 +209,7 @@ class WordTable:
 
 @cache
 def table() -> WordTable:
-    """The table that is shipped."""
+    """The shipped word table, read from words.safetensors."""
     import numpy as np
     from safetensors import safe_open
 
@@ -239,7 +239,7 @@ def stem(word: str) -> str:
 
 
 class Nearest:
-    """Known words that an unknown word may stand for, the nearest first: offered for a click, never used automatically.
+    """Finds known words that an unknown word may stand for, by meaning: offered for a click, never used automatically.
 
     A guess by meaning is right too rarely; only spelling is corrected without asking, see `lexer`.
     """
@@ -255,12 +255,12 @@ class Nearest:
         self._places = np.stack([vector for _, _, vector in known if vector is not None])
 
     def may_be_a_look(self, word: str) -> bool:
-        """True if an unknown word may speak of a look, so that known ones are offered in its place."""
+        """True if an unknown word may be a look word by its vector, so that known ones are offered in its place."""
         vector = self._table.vector(word)
         return vector is not None and float((self._places @ vector).max()) >= _MAY_BE
 
     def choices(self, word: str, count: int) -> list[str]:
-        """Known words that a word may be taken for, each of another entry, the nearest first; none where it has no vector."""
+        """Up to `count` known words near to `word`, each of another entry, the nearest first; [] without a vector."""
         vector = self._table.vector(word)
         if vector is None:
             return []

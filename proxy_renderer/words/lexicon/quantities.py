@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The quantities that words are about, "finish" or "brightness" (`quantities.toml`), with claims on them as text.
 
-A claim is "PART MEASURE [#RRGGBB] [in BOX] [by] LOWER..UPPER [or [any] CHANGE] [xWEIGHT] [(REASON)]": "picture warmth 8.. or +4". The color
-is the direction of measures that need one, as `tint` and `accent` do. Measures with several numbers have them at each end, joined by
-commas. A value outside the interval is enough if it has changed by CHANGE since the artist's image, and is near the interval; with "any"
-it may be anywhere. "or +0" accepts an excess that the artist's image has already. With "by", both ends are noticeable steps from the
-value of the artist's image: "picture warmth by 2..4".
+A claim is "PART MEASURE [#RRGGBB] [in BOX] [by] LOWER..UPPER [or [any] CHANGE] [xWEIGHT] [(REASON)]", for example
+"picture warmth 8.. or +4". The color is the direction of `tint` and `accent`. Ends of several numbers have commas. A
+value outside the interval is enough if it has changed by CHANGE since the artist's image and is near the interval, or
+anywhere with "any". "or +0" accepts an excess that the artist's image has already. With "by", both ends are noticeable
+steps from the value of the artist's image: "picture warmth by 2..4".
 """
 
 from __future__ import annotations
@@ -43,20 +43,20 @@ class ClaimText:
     """A claim that is bound to no word yet."""
 
     part: str  # one of `PARTS`; "thing" is what the word describes
-    measure: str  # a key of `claims.measures.registry.MEASURES`
+    measure: str  # a key of `claims.measures.MEASURES`
     lower: Values = (-math.inf,)  # of the interval, a number for each that the measure gives
     upper: Values = (math.inf,)  # likewise
     # change since the artist's image that is enough, too; None if only the interval counts
     change: float | None = None
     near: bool = True  # whether a change is enough near the interval only
     color: str = ""  # "#rrggbb" in whose direction a tint counts; "" for measures that need none
-    box: Values = ()  # left, upper, right and lower end in the frame, as shares of its width and height; () for all of it
+    box: Values = ()  # left, upper, right and lower end, as shares of the frame's width and height; () for all of it
     weight: float = 1.0  # of a missed step in the search; 0 if it only states a fact, for "colder"
     reason: str = ""  # why it is claimed; "" where the word says it
     by: bool = False  # whether both ends are noticeable steps from the value of the artist's image
 
     def __str__(self) -> str:
-        """As `read_claim` reads it."""
+        """The claim as a text that `read_claim` reads."""
         lower, upper = (_joined(end) if math.isfinite(end[0]) else "" for end in (self.lower, self.upper))
         color = f" {self.color}" if self.color else ""
         box = f" in {_joined(self.box)}" if self.box else ""
@@ -67,7 +67,7 @@ class ClaimText:
         return f"{self.part} {self.measure}{color}{box}{by} {lower}..{upper}{change}{weight}{reason}"
 
     def of_strength(self, strength: float, mild: bool) -> ClaimText:
-        """The claim of a word with a strength, which multiplies its change; a `mild` claim also has ends nearer to no change."""
+        """The claim with its change times `strength`; if `mild`, also with its ends nearer to no change."""
         lower, upper, change = self.lower, self.upper, self.change
         if not change:
             return self
@@ -85,14 +85,14 @@ def _joined(numbers: Values) -> str:
 
 
 def warmth_asked(measure: str, lower: float, upper: float) -> int:
-    """1 for an interval that asks for warmth, -1 for one that asks for coolness, 0 for others and for other measures."""
+    """1 for an interval of warmth that asks for warm light, -1 for cool; 0 for neither, and for other measures."""
     if measure != "warmth":
         return 0
     return 1 if lower > 0.0 else -1 if upper < 0.0 else 0
 
 
 def read_claim(text: str) -> ClaimText:
-    """Reads a claim, see the head of this file; an end that is left out is open. Raises VibeError for another text.
+    """The claim of a text, see the head of this file; an end that is left out is open. Raises VibeError if it is wrong.
 
     Example:
         >>> read_claim("picture warmth 8.. or +4").lower
@@ -131,7 +131,7 @@ def _numbers(text: str | None) -> Values:
 
 @dataclass(frozen=True)
 class Quantity:
-    """A property that parameters serve, measures measure, and words wish for."""
+    """A property that words ask for, parameters change and measures read: "finish", "haze"."""
 
     name: str  # its key in the table
     says: str  # what it is called in sentences
@@ -143,7 +143,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class QuantityTable:
-    """All quantities, and what belongs to each."""
+    """All quantities, with their parameters and measures."""
 
     by_name: Mapping[str, Quantity]  # name -> quantity, in the order of the table
     parameters: Mapping[str, str]  # "OWNER/PARAMETER MODE", "OWNER/PARAMETER" or a family -> its quantity
@@ -151,7 +151,7 @@ class QuantityTable:
     seen: Mapping[str, float]  # MEASURE -> noticeable steps from which judges saw a change; inf: from none
 
     def of_parameter(self, owner: str, family: str, mode: str) -> str:
-        """The quantity of an effect: of `owner` "key" on the `family` "light/power", say. Raises VibeError if there is none.
+        """Name of the quantity of an effect: of owner "key" on family "light/power", say. Raises VibeError without one.
 
         The most specific row of the table counts.
         """
@@ -163,7 +163,7 @@ class QuantityTable:
         return found
 
     def of_claim(self, claim: ClaimText) -> str:
-        """The quantity that a claim measures. Raises VibeError if there is no such measure."""
+        """Name of the quantity that a claim measures. Raises VibeError if there is no such measure."""
         for row in (f"{claim.part} {claim.measure}", claim.measure):
             if row in self.measures:
                 return self.measures[row]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rigs: what a gaffer sets up for a lighting word, read from `rigs.toml` and checked. The head of that file explains the rows."""
+"""Rigs: setups of lights for lighting words, read from `rigs.toml`. The head of that file explains the rows."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SOURCES = {"point": "POINT", "spot": "SPOT", "area": "AREA", "sun": "SUN"}
 REACHES = ("subject", "pool", "background", "all")
 THROUGH = ("", "window")
 KINDS = ("source", "style", "time", "film", "season", "mood", "hour", "place")
-TIMES = ("time", "season", "hour")  # kinds that have a sky
+TIMES = ("time", "season", "hour")  # kinds of rigs that have a sky
 _DISTANCES = {"POINT": 1.8, "SPOT": 5.0, "AREA": 3.0, "SUN": 0.0}
 _SIZES = {"POINT": 0.1, "SPOT": 0.08, "AREA": 1.2, "SUN": 0.5}
 _KELVINS = (1000.0, 20000.0)
@@ -35,7 +35,7 @@ class RigLight:
     type: str  # Blender's type
     azimuth: float
     elevation: float
-    mirrored: bool = True  # whether the other side does as well
+    mirrored: bool = True  # whether it may also stand on the mirrored side
     distance: float = 0.0
     size: float = 0.0
     kelvin: float = 0.0  # 0 where `color` is given, or the light of the scene keeps its own
@@ -43,14 +43,14 @@ class RigLight:
     stops: float = 0.0
     reach: str = "subject"
     names: frozenset[str] = frozenset()
-    own: str = ""  # the light of the scene that it is, where a prompt names it; "" otherwise
+    own: str = ""  # name of the scene's light that takes its place, if a prompt names one; else ""
     through: str = ""
     pattern: str = ""
-    worn: frozenset[str] = frozenset()  # materials of the lamp in which it burns, where a prompt names one
+    worn: frozenset[str] = frozenset()  # materials of the lamp (an object) that it burns in, if a prompt names one
 
     @property
     def is_warm(self) -> bool:
-        """True if people call it warm."""
+        """True if its color temperature is one that people call warm."""
         return 0.0 < self.kelvin < 4200.0
 
 
@@ -88,7 +88,7 @@ class Rig:
 
 @dataclass(frozen=True)
 class Modifier:
-    """Changes of a word to the lights of a rig."""
+    """Changes that a word makes to the lights of a rig."""
 
     azimuth: float | None = None  # degrees from the camera; None to leave it
     elevation: float | None = None  # Degrees; None to leave it
@@ -100,7 +100,7 @@ class Modifier:
     both: bool = False  # whether the other side gets such a light too
 
     def change(self, light: RigLight, strength: float) -> RigLight:
-        """A light with these changes; the strength of the word scales the factors on size and distance."""
+        """A light with these changes; the factors on size and distance are raised to the power `strength`."""
         light = replace(light, size=light.size * self.size**strength, distance=light.distance * self.distance**strength)
         if self.azimuth is not None:
             light = replace(light, azimuth=self.azimuth, mirrored=False, through="")
@@ -111,13 +111,13 @@ class Modifier:
 
     @property
     def aspects(self) -> tuple[str, ...]:
-        """Aspects of a light that it names: "direction", "color", "contrast"."""
+        """Aspects of light that it changes, of "direction", "color" and "contrast"."""
         directed = self.azimuth is not None or self.elevation is not None
         each = {"direction": directed, "color": self.kelvin, "contrast": self.contrast < 0}
         return tuple(name for name, says in each.items() if says)
 
     def reversed(self) -> Modifier:
-        """The modifier of the negated word: opposite exposure and contrast, and the reciprocal size."""
+        """The modifier of the negated word: opposite exposure and contrast, reciprocal size, and no other changes."""
         return Modifier(size=1 / self.size, exposure=-self.exposure, contrast=-self.contrast)
 
 
@@ -130,7 +130,7 @@ class RigTable:
     luminaries: frozenset[str] = frozenset()  # words in names of times and hours that are lights
 
     def modifier(self, entry: str) -> Modifier | None:
-        """Changes of a word to lights, a color temperature in kelvins too; None if it changes nothing."""
+        """The changes that an entry makes to lights, also one such as "3200 kelvin"; None if it changes nothing."""
         kelvin = temperature(entry)
         return Modifier(kelvin=kelvin) if kelvin else self.modifiers.get(entry)
 
@@ -156,7 +156,7 @@ class RigTable:
 
 @cache
 def rig_table() -> RigTable:
-    """The shipped rigs and modifiers, and the user's `rigs.toml` on top. Raises VibeError with file, line and remedy."""
+    """The shipped rigs and modifiers, with the user's `rigs.toml` on top. Raises VibeError if a file is wrong."""
     folder, own = Path(__file__).parent, config_folder() / "rigs.toml"
     every = read((folder / "rigs.toml").read_text("utf-8"), "rigs.toml")
     if own.is_file():
@@ -174,7 +174,7 @@ def rig_table() -> RigTable:
 
 
 def read(text: str, place: str) -> dict[str, Rig]:
-    """Rigs by name from the text of a .toml file. Raises VibeError, which names line and remedy, if something in it is wrong."""
+    """Name -> rig, from the text of a .toml file, which errors call `place`. Raises VibeError if the text is wrong."""
     try:
         rows = tomllib.loads(text).get("rig", {})
     except tomllib.TOMLDecodeError as error:
@@ -241,7 +241,7 @@ def _color(text: str) -> str:
 
 
 def _check(what: str, values: Iterable[str], known: Sequence[str]) -> None:
-    """Raises VibeError for a value that is not among the `known`."""
+    """Raises VibeError, which calls it a `what`, for a value that is not among the `known`."""
     for value in values:
         if value not in known:
             raise VibeError(f"'{value}' is no {what}.", f"Use one of: {', '.join(filter(None, known))}.")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The vocabulary (vocabulary.toml and colors.txt): all that parser and planner know of words, with the artist's own words on top.
+"""The vocabulary (vocabulary.toml, colors.txt): all that parser and planner know of words, and the artist's own words.
 
 The artist's own words are a .toml file that adds entries and colors to the vocabulary, or replaces them:
 
@@ -63,16 +63,16 @@ class Vocabulary:
     painted: dict[str, tuple[Effect, ...]]  # kind of thing -> effects of a color word on it
     adjectives: dict[str, dict[str, str]]  # word -> kind of thing (or "otherwise") -> entry name
     absent: dict[str, str]  # kind of thing -> entry that the lack of it means: "no shadows"
-    words: dict[str, frozenset[str]]  # "lightness", "off", ... -> words that are looked for by themselves
+    words: dict[str, frozenset[str]]  # row of [grammar.words], as "lightness" or "off" -> its words
     roles: dict[str, str]  # word of a light's name -> the role of that light
     typed: dict[str, str]  # word that is typed in a hurry -> the word that is meant
-    # kind of thing -> entry or adjective -> entry, where words say nothing of it themselves: "a calm lamp"
+    # kind of thing -> entry or adjective -> its entry at such a thing, if it has none of its own: "a calm lamp"
     elsewhere: dict[str, dict[str, str]]
-    endings: dict[str, str]  # "comparative" or "superlative" -> how such words end
+    endings: dict[str, str]  # "comparative" or "superlative" -> ending of such words
     _made: dict[Callable[[Vocabulary], Any], Any] = field(init=False, repr=False, compare=False, default_factory=dict)
 
     def made(self, make: Callable[[Vocabulary], T]) -> T:
-        """An object that is made of the vocabulary once and kept with it."""
+        """The object `make(self)`, which is made once and kept with the vocabulary."""
         if make not in self._made:
             self._made[make] = make(self)
         made: T = self._made[make]
@@ -96,7 +96,7 @@ class Vocabulary:
         return next((self.roles[word] for word in name.split() if word in self.roles), "")
 
     def stems(self, word: str, degree: str) -> tuple[str, ...]:
-        """Words that a "comparative" or "superlative" may be made of: "cold" of "colder", "dry" of "drier"."""
+        """Words that may have this comparative or superlative (`degree`): "cold" for "colder"; () for other words."""
         base = word.removesuffix(self.endings[degree])
         compares = base != word and len(base) > _SHORTEST_STEM
         return (base, base + "e", base[:-1], base[:-1] + "y") if compares else ()
@@ -104,7 +104,7 @@ class Vocabulary:
 
 @cache
 def shipped_vocabulary() -> Vocabulary:
-    """The vocabulary that is shipped, with the words of the rigs."""
+    """The shipped vocabulary, with the words of the rigs and phrases for hours."""
     folder = Path(__file__).parent
     text, colors = (folder / name for name in ("vocabulary.toml", "colors.txt"))
     vocabulary = load(text.read_text("utf-8"), colors.read_text("utf-8"))
@@ -119,7 +119,7 @@ def shipped_vocabulary() -> Vocabulary:
 
 
 def load(text: str, colors: str) -> Vocabulary:
-    """A vocabulary from the text of a .toml file and of a color list. Raises VibeError, which says what is wrong in it."""
+    """A vocabulary from the text of a .toml file and of a list of colors. Raises VibeError if something is wrong."""
     try:
         rows = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -182,18 +182,18 @@ def _hours() -> dict[str, Any]:
 
 @cache
 def hour_phrases() -> dict[str, str]:
-    """Phrase for a time of day, or for where light comes from -> its entry."""
+    """Phrase for a time of day, or for a direction of light -> name of its entry."""
     return _by_word(_hours()["phrases"])
 
 
 def hour_entry(hour: int) -> str:
-    """The name of the entry of an hour by the clock, from 0 to 23."""
+    """The name of the entry for an hour of the clock, from 0 to 23: "night" for 3."""
     since: dict[str, str] = _hours()["from_hour"]
     return since[max((start for start in since if int(start) <= hour), key=int)]
 
 
 def _by_word(rows: dict[str, str]) -> dict[str, str]:
-    """Each of the words of rows -> the name of its row."""
+    """Word -> the name of the row that lists it; in `rows`, name -> words, separated by commas."""
     return {word: name for name, words in rows.items() for word in listed(words)}
 
 
@@ -201,7 +201,7 @@ def _by_word(rows: dict[str, str]) -> dict[str, str]:
 
 
 def kelvin_entry(kelvins: float) -> str:
-    """The name of the entry of a color temperature, the nearest that lights can have."""
+    """The name of the entry of the color temperature nearest to `kelvins`: "3200 kelvin"."""
     return f"{min(max(round(kelvins / _STEP) * _STEP, _LEAST), _MOST)} kelvin"
 
 
@@ -209,7 +209,7 @@ def kelvin_entry(kelvins: float) -> str:
 
 
 def default_vocabulary() -> Vocabulary:
-    """The vocabulary that is shipped, with the user's own on top. Raises VibeError if something in the user's file is wrong."""
+    """The shipped vocabulary with the user's own on top. Raises VibeError if something in the user's file is wrong."""
     path = user_file()
     return _extended(path, path.stat().st_mtime_ns) if path else shipped_vocabulary()
 
@@ -220,7 +220,7 @@ def _extended(path: Path, changed: int) -> Vocabulary:
 
 
 def user_file() -> Path | None:
-    """The artist's own vocabulary; None where there is none. Raises VibeError if $VIBE_VOCABULARY names no file."""
+    """Path of the artist's own vocabulary; None without one. Raises VibeError if $VIBE_VOCABULARY names no file."""
     if named := os.environ.get(VARIABLE):
         path = Path(named).expanduser()
         if not path.is_file():
@@ -232,7 +232,7 @@ def user_file() -> Path | None:
 
 
 def extend(base: Vocabulary, path: Path) -> Vocabulary:
-    """A vocabulary with a user's file on top, whose words win. Raises VibeError with file, line and remedy."""
+    """A vocabulary with a user's file on top, whose words win. Raises VibeError with the line if the file is wrong."""
     text, rows = _read(path)
     entries, synonyms, colors = dict(base.entries), dict(base.synonyms), dict(base.colors)
     looks = rows.get("look", {})
@@ -273,7 +273,7 @@ def _read(path: Path) -> tuple[str, dict[str, Any]]:
 
 @contextmanager
 def _located(path: Path, text: str, name: str) -> Iterator[None]:
-    """Adds file and line to an error on an entry; the line is found by the words that the error quotes."""
+    """Adds file and line to an error on the entry `name`; the line is found by the words that the error quotes."""
     try:
         yield
     except VibeError as error:
@@ -283,14 +283,14 @@ def _located(path: Path, text: str, name: str) -> Iterator[None]:
 
 
 def add_look(path: Path, name: str, rows: Mapping[str, str | Sequence[str]]) -> None:
-    """Appends an entry. Raises VibeError, and leaves the file as it was, if the name is taken or the entry is wrong."""
+    """Appends an entry to a file. If its name is taken or it is wrong, raises VibeError and keeps the file."""
     lines = [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in rows.items() if value]
     head = f"[look.{json.dumps(name, ensure_ascii=False)}]"
     _write(path, name, "\n".join([_text(path).rstrip("\n"), "", head, *lines, ""]).lstrip("\n"))
 
 
 def add_color(path: Path, name: str, code: str) -> None:
-    """Adds a color, see `add_look`."""
+    """Adds the color `code`, "#rrggbb", to a file; raises VibeError as `add_look` does."""
     text, line = _text(path), f"{json.dumps(name, ensure_ascii=False)} = {json.dumps(code)}\n"
     head = _COLORS.search(text)
     begun = text[: head.end()] if head else (text.rstrip("\n") + "\n\n[colors]\n").lstrip("\n")
@@ -302,7 +302,7 @@ def _text(path: Path) -> str:
 
 
 def _write(path: Path, name: str, text: str) -> None:
-    """Replaces the file by a text. Raises VibeError if the text is no vocabulary, or has the name already."""
+    """Replaces a file by `text`. Raises VibeError if `text` is no vocabulary, or if the file has `name` already."""
     key = json.dumps(name, ensure_ascii=False)
     if re.search(rf"^(\[look\.)?{re.escape(key)}[\] ]", _text(path), re.MULTILINE):
         raise VibeError(f"'{name}' is in {path} already.", "Change it there, or take another name.")
