@@ -249,7 +249,7 @@ def solve(
 
 
 def linearize(objective: ClaimObjective, u: Tensor, chosen: Tensor, span: Tensor) -> LinearModel:
-    """The linear model at u (N,) of the n components chosen (N,) bool; its moves are shares of ranges, `span` (n,)."""
+    """Linear model at u (N,) of n components chosen (N,) bool; moves are in units of `span` (n,), their ranges."""
     here, values, rest = objective.slopes(u, chosen)
     return LinearModel(here, values * span, rest * span, objective.stiffness(chosen), objective.claim_weight)
 

@@ -37,7 +37,7 @@ AnchorRequest = Callable[[messages.Anchor], messages.Anchored | None]  # to Blen
 
 
 class BlenderPictures:
-    """A source of Cycles images of one shot, which Blender renders; after two failures in a row it gives none."""
+    """A source of Cycles images of one shot, which Blender renders; none after two failures in a row or a slow one."""
 
     def __init__(self, scene: SceneData, ask: AnchorRequest, seed: int, shot: int = 0) -> None:
         self._scene, self._ask, self._seed, self._shot = scene, ask, seed, shot

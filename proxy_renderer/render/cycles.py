@@ -103,7 +103,7 @@ class Correction:
     def pixels(self, linear: Tensor, colors: Tensors, fields: Tensor | None = None) -> Tensor:
         """The proxy's image `linear` (3, P), corrected at the current `colors`: owner -> color (3,) of its light.
 
-        `fields` are those of the P pixels, or samples, if they are not those of the anchor's view.
+        `fields` (3 (2 + G), P) are those of the P pixels or samples; None for pixels of the anchor's own view.
         """
         fields = self.fields if fields is None else fields
         corrected = fields[:3] * linear
@@ -253,7 +253,7 @@ def look_up(
 
 
 def is_of_light(key: str, scene: SceneData) -> bool:
-    """True if a parameter only scales the light of a light or of the world, by channel: a power, a color or a tint."""
+    """True if a parameter only scales the color of a light or of the world: a power, color, temperature or tint."""
     group, _, name = split_key(key)
     if group == "light":
         return name in ("power", "strength", "color", "temperature")

@@ -84,7 +84,7 @@ class Confiner:
     def confined(
         self, advice: Advice, u: Tensor, here: RoundStart, shots: Sequence[ShotState], claims: Sequence[Claim]
     ) -> Confined:
-        """The round that follows an advice: plan, ranges, the box of the ranges, and u (N,) projected into the box."""
+        """The round planned by `advice`: plan, ranges, the box of the ranges, and u (N,) projected into the box."""
         vector, plan = self.vector, Plan({**advice.plan, **here.turned}, advice.plan.notes)
         ranges = feasible_ranges(plan, vector.instances, vector.values(u))
         if here.opening:

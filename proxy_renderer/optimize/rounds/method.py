@@ -36,7 +36,7 @@ class Method:
         return plan
 
     def claims(self, claims: tuple[Claim, ...]) -> tuple[Claim, ...]:
-        """The claims that pictures are measured by."""
+        """The claims that images are measured by, made of the `claims` of the words and the reference image."""
         return claims
 
     def guidance(self, encoder: Encoder, advice: Advice, start: Render, every_word: bool = False) -> Guidance:

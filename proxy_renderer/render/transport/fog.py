@@ -162,7 +162,7 @@ class FroxelGrid:
     _end: float
 
     def look_up(self, place: Tensor, distance: Tensor) -> tuple[Tensor, Tensor]:
-        """Light (3, N) added by fog before places (2, N) in pixels at distances (N,), and its transmittance (N,)."""
+        """Light (3, N) of the fog in front of places (2, N), pixels, at distances (N,), and its transmittance (N,)."""
         segments, rows, columns = self._sums.shape[2] - 1, *self._sums.shape[3:]
         cut = (torch.log1p(distance / self._near) / math.log(self._growth)).clamp(0, segments - 1)
         whole = cut.detach().floor().clamp_max(segments - 2)

@@ -36,7 +36,7 @@ def glow_of(
     clusters: Mapping[int, Sequence[object]],
     generator: Generator,
 ) -> list[Tensor]:
-    """Shares (A, M), one tensor for each lobe, of what A points see that each of M materials fills with its glow.
+    """Shares (A, M) of the view from A points that the glow of each of M materials fills, one tensor for each lobe.
 
     The first lobe is the hemisphere, weighted by the cosine; the others are reflections blurred by each of `BLURS`.
     `clusters` is `Emitters.clusters`: the first lobe leaves out materials with lights. Points with the same number in
@@ -54,7 +54,7 @@ def glow_of(
 
 
 class _Search:
-    """Rays of one kind from points to glowing surfaces; target points are chosen once, as many on each material."""
+    """Rays of one kind from points to glowing surfaces; target points are chosen once, equally many per material."""
 
     def __init__(
         self, geometry: RayGeometry, points: Surface, turn: Tensor, glowing: list[int], ray: str, generator: Generator
@@ -140,7 +140,7 @@ class LobeRays:
 
     @staticmethod
     def of(points: Surface, arrived: Tensor) -> LobeRays:
-        """From the points, and directions (3, A) of the rays that have met them."""
+        """The rays of `points`, whose lobes depend on the directions `arrived` (3, A) of rays that have met them."""
         return LobeRays(points, arrived, (-dot(arrived, points.normal)).clamp(_LEAST_COSINE, 1.0))
 
     def hemisphere(self, uv: Tensor) -> Tensor:

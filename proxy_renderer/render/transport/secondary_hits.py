@@ -229,7 +229,7 @@ class SecondaryHits:
 
 
 def clear_to(geometry: RayGeometry, lamp: LightSource, direct: DirectIrradiance, surface: Surface) -> Tensor:
-    """Share (N,) of a light that gets from its middle to a surface: 1 if it casts no shadows, 0 if it is not linked."""
+    """Share (N,) of a light that gets from its middle to a surface; 1 without shadows, 0 if it is not linked."""
     linked = lamp.lights(surface.object)
     if not lamp.light.shadow:
         return linked.to(torch.float32)
