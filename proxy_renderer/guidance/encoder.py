@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The encoder: open_clip's models, and the image tower of the embedded one."""
+"""The encoder, which compares images with words: open_clip's models, and the image tower of the embedded one."""
 
 import logging
 import urllib.error
@@ -42,7 +42,7 @@ class Block(nn.Module):
 
 
 class Stem(nn.Module):
-    """A linear projection of patches, and convolutions that tell sharp edges, of gloss and hard light, from blurred."""
+    """A linear projection of patches, plus convolutions that tell sharp edges (gloss, hard light) from blurred ones."""
 
     def __init__(self, outputs: int) -> None:
         super().__init__()
@@ -96,16 +96,16 @@ class Tower(nn.Sequential):
 
 @register_model
 def vibe_resnet(pretrained: bool = False, num_classes: int = 128, **unused: Any) -> Tower:
-    """The tower that `timm_model_name: "vibe_resnet"` in an open_clip configuration builds; `pretrained` has no effect."""
+    """The tower for `timm_model_name: "vibe_resnet"` in an open_clip configuration; `pretrained` has no effect."""
     return Tower(num_classes, Stem, (32, 64, 96, 160), (2, 2, 2, 2), (1, 2, 2, 1))
 
 
 EMBEDDED = Path(__file__).with_name("embedded")  # the encoder that guides by default
-MERGES = "merges.txt.gz"  # the merges of a folder's own, smaller vocabulary, read by open_clip's tokenizer
+MERGES = "merges.txt.gz"  # byte-pair merges of an encoder folder's own vocabulary, for open_clip's tokenizer
 
 
 class Encoder:
-    """A frozen dual encoder with its own preprocessing; its `name` is as the user named it."""
+    """A frozen encoder of images and texts with its own preprocessing; `name` is the name that the user gave."""
 
     def __init__(self, name: str, model: Any, tokenizer: Any, device: torch.device) -> None:
         self.name, self.device = name, device
@@ -127,7 +127,10 @@ class Encoder:
         return F.normalize(self._model.encode_text(self._tokenizer(texts).to(self.device)).float(), dim=-1)
 
     def preprocess(self, pictures: Tensor) -> Tensor:
-        """The model's own transform of images (B, 3, H, W) in [0, 1], differentiable: resize, crop or pad to (B, 3, size, size), normalize."""
+        """Images (B, 3, H, W) in [0, 1], as the model expects them: resized, cropped or padded, and normalized.
+
+        The result (B, 3, size, size) is differentiable in them.
+        """
         height, width = pictures.shape[-2:]
         pick = {"shortest": min, "longest": max}.get(self._config.get("resize_mode", "shortest"))
         scale = self.size / pick(height, width) if pick else None
@@ -142,10 +145,10 @@ class Encoder:
 
 
 def load_encoder(spec: str | None = None, device: str | torch.device = "cpu") -> Encoder:
-    """Loads an encoder, the shipped one for None or "embedded"; raises VibeError if it is unknown, incomplete or out of reach.
+    """Loads an encoder; raises VibeError if it is unknown, incomplete or out of reach.
 
-    Others are "MODEL/PRETRAINED", an open_clip hub tag that is downloaded once, "hf-hub:OWNER/NAME", or a folder with
-    ``open_clip_config.json`` and weights.
+    `spec` is None or "embedded" for the shipped encoder, "MODEL/PRETRAINED" (an open_clip tag, downloaded once),
+    "hf-hub:OWNER/NAME", or a folder with ``open_clip_config.json`` and weights.
     """
     import open_clip  # slow to import: only when an encoder is wanted
 
@@ -182,7 +185,7 @@ def load_encoder(spec: str | None = None, device: str | torch.device = "cpu") ->
 
 
 def _check_reachable(name: str, repository: str) -> None:
-    """Raises VibeError if a model is neither cached nor can be downloaded, without the minute of retries by the hub."""
+    """Raises VibeError if a model is not cached and the hub does not answer; the hub's own retries take a minute."""
     from huggingface_hub import constants
 
     if not repository or Path(constants.HF_HUB_CACHE, f"models--{repository.replace('/', '--')}", "snapshots").exists():

@@ -16,21 +16,21 @@ _REGIONS = ("subject", "surroundings", "whole")  # fields of `Prompts`, `Weights
 
 
 def positive_loss(features: Tensor, text: Tensor) -> Tensor:
-    """Equation 3: 1 − s(I, p), the mean cosine of unit features (views, D) of an image and (1, D) of a phrase."""
+    """Equation 3: 1 − s(I, p); s is the mean cosine of an image's unit features (views, D) and a phrase's (1, D)."""
     return 1.0 - (features @ text.T).mean()
 
 
 def negative_loss(features: Tensor, texts: Tensor, margin: float) -> Tensor:
-    """Equation 4: max(0, s(I, p⁻) − m) for the most similar of negative phrases (phrases, D) to an image (views, D)."""
+    """Equation 4: max(0, s(I, p⁻) − m) for the negative phrase of `texts` (phrases, D) most similar to `features`."""
     return F.relu((features @ texts.T).mean(0) - margin).max()
 
 
 def direction_loss(features: Tensor, start: Tensor, text: Tensor, plain: Tensor, least: float = 0.1) -> Tensor:
     """1 − cos(ΔI, ΔT): the image should change in the direction in which the words differ from a plain caption (StyleGAN-NADA).
 
-    An adversarial change, which makes the image similar to the words but like no image, has another direction. `features` (views, D)
-    and `start`, the mean (D,), are those of two images, `text` and `plain`, (1, D) each, those of the captions. At the length `least`
-    of ΔI the cosine counts half.
+    An adversarial change, which makes the image similar to the words but like no real image, has another direction.
+    `features` (views, D) are those of the image, `start` (D,) is the mean of the starting image's, `text` and `plain`
+    (1, D) are those of the captions. If ΔI has the length `least`, the cosine counts half.
     """
     moved = features.mean(0) - start
     length = (moved.square().sum() + 1e-8).sqrt()
@@ -51,8 +51,9 @@ def claims_loss(residuals: list[Tensor]) -> Tensor:
 def hue_consistency_loss(where: Tensor, colors: Tensor, weights: Tensor) -> Tensor:
     """Squared deviation of each color's components from a common place in their ranges, so that the color keeps its hue.
 
-    The range of a color is a box around the named color, and the corners of the box have other hues. `where` and `weights` (N,) are the
-    components' places in [0, 1], and weights, 0 for fixed ones; `colors` (M, 3) are the indices of the components of M colors.
+    The range of a color is a box around the named color, and the corners of the box have other hues. `where` (N,) are
+    the components' places in their ranges, in [0, 1], `weights` (N,) their weights, 0 for fixed components. `colors`
+    (M, 3) are the indices of the components of M colors.
     """
     place, weight = where[colors], weights[colors]
     middle = (place * weight).sum(1, keepdim=True) / weight.sum(1, keepdim=True).clamp_min(1.0)
@@ -60,7 +61,7 @@ def hue_consistency_loss(where: Tensor, colors: Tensor, weights: Tensor) -> Tens
 
 
 def prior_loss(where: Tensor, home: Tensor, weight: Tensor) -> Tensor:
-    """Pull to the artist's values: squared distance of places (N,) in ranges from the artist's, with weights (N,) in [0, 1]."""
+    """Pull home: sum of squared distances of the places `where` from `home`, (N,) each, with weights (N,) in [0, 1]."""
     return (weight * (where - home).square()).sum()
 
 
@@ -80,12 +81,12 @@ class Weights:
 
 
 class Guidance(Protocol):
-    """Judges an image: `PromptGuidance`, or a plug-in's."""
+    """Judges an image by terms of the loss: `PromptGuidance`, `NoGuidance`, or a plug-in's."""
 
     views: regions.Views  # number of crops of each region
 
     def __call__(self, display: Tensor, mask: Tensor, generator: torch.Generator) -> dict[str, Tensor]:
-        """The weighted loss terms of an image (H, W, 3) in [0, 1] with a soft subject mask (H, W); their sum is the loss."""
+        """Name -> weighted loss term of an image (H, W, 3) in [0, 1] with a soft subject mask (H, W), to be summed."""
 
 
 class NoGuidance:
@@ -99,9 +100,9 @@ class NoGuidance:
 
 
 class PromptGuidance:
-    """The objective for one prompt; margins of equation 4 are calibrated on `start`, image (H, W, 3) and subject mask (H, W).
+    """The objective for one prompt; `start` is the starting image (H, W, 3) and its subject mask (H, W).
 
-    For the similarity of unrelated images and phrases differs between encoders.
+    Margins of equation 4 are calibrated on `start`: similarities of unrelated images and phrases differ by encoder.
     """
 
     def __init__(self, encoder: Encoder, prompts: Prompts, start: tuple[Tensor, Tensor], weights: Weights) -> None:

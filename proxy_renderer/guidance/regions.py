@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Views of the regions of an image, as the encoder sees them: random large crops under a random perspective.
 
-text2mesh and CLIPasso do the same. Colors are never touched, because they are the signal.
+text2mesh and CLIPasso do the same. Colors stay as they are, because the encoder judges them.
 """
 
 from dataclasses import dataclass
@@ -11,12 +11,12 @@ import torch.nn.functional as F
 from torch import Tensor
 
 _CORNERS = torch.tensor([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-_TRIES, _HELD = 8, 0.7  # crops that are drawn for one that shows enough of a region; share of the region that is enough
+_TRIES, _HELD = 8, 0.7  # random crops for each that is chosen; share of a region that a crop has to show
 _SCALE = (0.75, 1.0)  # of a crop's side, relative to the image's
 
 
 def quads(count: int, generator: torch.Generator) -> Tensor:
-    """Random quadrilaterals, the sources of views: (count, 4, 2) corners x, y in [-1, 1], clockwise from the top left of the image."""
+    """Random quadrilaterals to cut views from: corners (count, 4, 2), x, y in [-1, 1], clockwise from the top left."""
     side = _SCALE[0] + (_SCALE[1] - _SCALE[0]) * torch.rand(count, 1, 1, generator=generator)
     center = (2.0 * torch.rand(count, 1, 2, generator=generator) - 1.0) * (1.0 - side)
     inwards = 1.0 - 0.2 * torch.rand(count, 4, 2, generator=generator)  # the corners are distorted
@@ -24,7 +24,7 @@ def quads(count: int, generator: torch.Generator) -> Tensor:
 
 
 def keeping(mask: Tensor, count: int, generator: torch.Generator) -> Tensor:
-    """Random quadrilaterals, as from `quads`, that hold enough of a region, the soft mask (H, W), or the most of a few tries."""
+    """Random quadrilaterals, see `quads`, that show enough of the region `mask` (H, W), or the most of a few tries."""
     tries = quads(count * _TRIES, generator)
     small = F.interpolate(mask.detach().cpu().float()[None, None], size=(32, 32), mode="area")[0, 0]
     low, high = tries.amin(1), tries.amax(1)
@@ -69,7 +69,7 @@ def whole(pictures: Tensor, size: int) -> Tensor:
 
 @dataclass(frozen=True)
 class Views:
-    """Number of views of each region that a step looks at."""
+    """Number of views (crops) of each region in a step."""
 
     subject: int = 3
     surroundings: int = 2
@@ -77,13 +77,13 @@ class Views:
 
 
 def mean(values: Tensor, mask: Tensor) -> Tensor:
-    """Mean (C,) of values (H, W, C) over a region with soft membership (H, W); an empty one gives 0."""
+    """Mean (C,) of values (H, W, C) over a region, the soft `mask` (H, W); 0 if the region is empty."""
     weight = mask[..., None]
     return (values * weight).sum((0, 1)) / weight.sum((0, 1)).clamp_min(1e-6)
 
 
 def subject_views(display: Tensor, mask: Tensor, count: int, generator: torch.Generator, size: int) -> Tensor:
-    """I ⊙ M, framed by the subject, each view on another plain background: (count, 3, size, size).
+    """Views (count, 3, size, size) of the subject, I ⊙ M, framed closely, each on another plain background.
 
     Half of the backgrounds are random colors, so that a change behind the subject cannot make the subject fit the words
     (CLIP-Mesh). The others are the mean color of the surroundings, so that the subject is judged in its own light.
@@ -98,7 +98,7 @@ def subject_views(display: Tensor, mask: Tensor, count: int, generator: torch.Ge
 
 
 def surroundings_views(display: Tensor, mask: Tensor, count: int, generator: torch.Generator, size: int) -> Tensor:
-    """I ⊙ (1 − M), the hole filled with the mean color of what remains. Arguments as for `subject_views`."""
+    """Views (count, 3, size, size) of I ⊙ (1 − M); the mean color of what remains fills the hole of the subject."""
     rest = (1.0 - mask)[..., None]
     filled = display * rest + mask[..., None] * mean(display, 1.0 - mask)
     return warp(filled.permute(2, 0, 1)[None], keeping(1.0 - mask, count, generator), size)
@@ -114,7 +114,7 @@ def whole_views(display: Tensor, count: int, generator: torch.Generator, size: i
 
 
 def _frame(mask: Tensor) -> tuple[slice, ...]:
-    """Rows and columns of a nearly square window around the subject, with a margin; all of them without a subject."""
+    """Rows and columns of a nearly square window around the subject, with a margin; all without a subject."""
     solid = mask.detach() > 0.5
     if not solid.any():
         return slice(None), slice(None)

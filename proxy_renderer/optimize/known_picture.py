@@ -28,7 +28,7 @@ class KnownPicture:
     picture: CyclesPicture
 
     def values_in(self, scene: SceneData) -> dict[str, Values] | None:
-        """The values, by key, that differ from a scene's own: powers and colors of lights; None if anything else differs."""
+        """Key -> power or color of light in the image where it differs from the scene's; None if more does."""
         mine, theirs = ({light.name: light for light in each.lights} for each in (self.scene, scene))
         powers = (i for i in scene.instances.values() if i.parameter.family in BRIGHTNESS)
         unlit = theirs.keys() - mine.keys() - {i.owner for i in powers if i.value[0] > OFF * i.reference}
@@ -51,7 +51,7 @@ class KnownPicture:
 
 
 def _without_values(light: Light) -> Light:
-    """A light without what its parameters decide, as position and role."""
+    """The light, with the fields that follow from its parameters reset, as its position; itself if it is fixed."""
     if light.fixed:
         return light
     return replace(light, position=(0.0, 0.0, 0.0), added=False, role="", use_temperature=False)

@@ -29,7 +29,7 @@ _PROGRESS = 1e-3  # predicted decrease up to which a step is not worth rendering
 
 @dataclass(frozen=True)
 class Assessment:
-    """The claims' M values in the images of a point u, one or several for each claim, their aims, and the other terms of the loss."""
+    """The M values of all claims in the images of a point u, the aims of the claims, and the loss's other terms."""
 
     values: Tensor  # (M,) of the claims' measures, in noticeable steps
     lower: Tensor  # (M,) lower ends of the aims, in noticeable steps
@@ -46,7 +46,7 @@ class Assessment:
         return values.new_zeros(count).index_add(0, self.claim, squares).sqrt()
 
     def loss(self, values: Tensor, rest: Tensor, weight: float) -> float:
-        """The loss of values (M,) and a rest (): missed claims, quadratic up to one noticeable step and linear beyond (Huber 1964)."""
+        """The loss of values (M,) and rest (): Huber's loss of the misses, linear beyond one step, plus the rest."""
         misses = self.misses(values)
         return weight * float(F.huber_loss(misses, torch.zeros_like(misses), reduction="sum")) + float(rest)
 
@@ -56,7 +56,7 @@ class Assessment:
 
 
 class Slopes(NamedTuple):
-    """The assessment of a point, and its derivatives with respect to n components of u."""
+    """The assessment of a point, and derivatives of its values and rest with respect to n components of u."""
 
     here: Assessment  # without gradients
     values: Tensor  # (M, n) derivatives of the values
@@ -71,7 +71,7 @@ class LinearModel:
     slopes: Tensor  # (M, n) derivatives of the values
     rest_slope: Tensor  # (n,) derivatives of the rest
     stiffness: Tensor  # (n, n) curvature of the rest
-    weight: float  # of a noticeable step by which a claim is missed
+    weight: float  # of a claim that is missed by one noticeable step, in the loss
 
     def loss(self, move: Tensor) -> float:
         """The predicted loss at x + move (n,)."""
@@ -81,8 +81,8 @@ class LinearModel:
     def step(self, low: Tensor, high: Tensor) -> Tensor:
         """(n,) the move of least predicted loss within [low, high], by accelerated projected gradients (Nesterov 1983).
 
-        A claim that is missed by more than one step gets the smaller weight of Huber's loss, so that a claim that cannot be satisfied
-        does not dominate the others.
+        A claim that is missed by more than one noticeable step gets the smaller weight of Huber's loss: a claim that
+        cannot be satisfied does not dominate the others.
         """
         far = self.here.misses(self.here.values).clamp_min(1.0)[self.here.claim]
         weights = self.weight / far
@@ -107,12 +107,15 @@ class LinearModel:
         return torch.from_numpy(move)
 
     def of(self, some: Tensor) -> LinearModel:
-        """The model of some components (n,) bool; the others stay."""
+        """The model over the components marked in `some` (n,) bool; the others are fixed."""
         parts = self.slopes[:, some], self.rest_slope[some], self.stiffness[some][:, some]
         return LinearModel(self.here, *parts, self.weight)
 
     def gains(self, move: Tensor, parts: Mapping[str, slice], low: Tensor, high: Tensor) -> dict[str, float]:
-        """Part (a parameter's slice) -> predicted decrease of the loss by one damped Newton step of it alone from x + move (n,)."""
+        """Key -> predicted decrease of the loss, from x + move (n,), by one damped Newton step of this parameter alone.
+
+        `parts`: key -> slice of the parameter's components; `low` and `high` (n,) bound the move.
+        """
         values, held = self.here.values + self.slopes @ move, self.stiffness @ move
         far = self.here.misses(values).clamp_min(1.0)[self.here.claim]
         missed = outside(values, self.here.lower, self.here.upper)
@@ -129,7 +132,10 @@ class LinearModel:
         return found
 
     def alike(self, part: slice, other: slice) -> float:
-        """The share, in [0, 1], of a part's effect on the values that another part can reproduce; 0 if too few values tell."""
+        """Share, in [0, 1], of the effect of the components `part` on the values that `other` can reproduce.
+
+        0 if the effect is hardly noticeable, or too few values depend on the components to compare them.
+        """
         told = (self.slopes != 0).any(1)
         mine, theirs = self.slopes[told, part], self.slopes[told, other]
         length = float(mine.norm())
@@ -139,7 +145,7 @@ class LinearModel:
         return 1.0 - float(rest.norm()) / length
 
     def corrected(self, seen: Assessment, move: Tensor) -> LinearModel:
-        """The model at x, its slopes changed to agree with an assessment at x + move ≠ x (n,) (Broyden 1965, Schubert 1970)."""
+        """The model at x with slopes that agree with `seen`, at x + move (n,) ≠ x (Broyden 1965, Schubert 1970)."""
         along = move / move.square().sum()
         moved = (self.slopes != 0) * move  # (M, n)
         missing = seen.values - self.here.values - self.slopes @ move
@@ -159,10 +165,10 @@ class LinearModel:
 class ClaimObjective(Protocol):
     """The objective of `solve`: assesses points u, and gives slopes and curvature there."""
 
-    claim_weight: float  # of a noticeable step by which a claim is missed
+    claim_weight: float  # of a claim that is missed by one noticeable step, in the loss
 
     def stiffness(self, chosen: Tensor) -> Tensor:
-        """(n, n) curvature of the rest over the places, in [0, 1] of their ranges, of the n components chosen (N,) bool."""
+        """Curvature (n, n) of the rest over the n components chosen (N,) bool, as places in [0, 1] of their ranges."""
 
     def assess(self, u: Tensor) -> Assessment:
         """The assessment of u (N,) in [0, 1]."""
@@ -181,13 +187,13 @@ def solve(
     on_step: Callable[[int, float, Any], bool],
     first: LinearModel | None = None,
 ) -> Descent:
-    """Minimizes the objective over the chosen components (N,) by a damped Gauss-Newton method in the box, from u (N,) inside it.
+    """Minimizes the objective over the components chosen (N,) bool in a box, from u (N,), by damped Gauss-Newton steps.
 
-    Residuals are the claims' misses, in noticeable steps. Residuals and parameters are few, so a Gauss-Newton step is cheap, and worth
-    many gradient steps. For the terms of similarity only the gradient is known; the pull to the artist's values has a curvature, too.
-    The trust region is a rectangle (Voglis and Lagaris 2004), for the box is one. Slopes cost more than steps. They are computed
-    rarely, and corrected by the result of each step, as in the secant version of Levenberg-Marquardt (Madsen, Nielsen and Tingleff
-    2004, section 3.5).
+    Residuals are the claims' misses, in noticeable steps. Residuals and parameters are few, so a Gauss-Newton step is
+    cheap, and worth many gradient steps. For the terms of similarity only the gradient is known; the pull to the
+    artist's values has a curvature, too. The trust region is a rectangle (Voglis and Lagaris 2004), for the box is one.
+    Slopes cost more than steps. They are computed rarely, and corrected by the result of each step, as in the secant
+    version of Levenberg-Marquardt (Madsen, Nielsen and Tingleff 2004, section 3.5).
 
     Args:
         steps: The most points that are rendered and assessed after the start.
@@ -243,7 +249,7 @@ def solve(
 
 
 def linearize(objective: ClaimObjective, u: Tensor, chosen: Tensor, span: Tensor) -> LinearModel:
-    """The linear model at u (N,) of the n chosen components (N,); its moves are shares of their ranges `span` (n,)."""
+    """Linear model at u (N,) of n components chosen (N,) bool; moves are in units of `span` (n,), their ranges."""
     here, values, rest = objective.slopes(u, chosen)
     return LinearModel(here, values * span, rest * span, objective.stiffness(chosen), objective.claim_weight)
 

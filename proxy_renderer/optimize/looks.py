@@ -17,7 +17,7 @@ from .vector import feasible_ranges, project, start_point
 
 @dataclass(frozen=True)
 class EarlyLook:
-    """Values before the final result, with their image."""
+    """Values that are shown before the final result, with their image."""
 
     values: Mapping[str, tuple[float, ...]]  # key -> components of each value that is not the artist's
     display: Tensor | None  # (H, W, 3) the image in [0, 1]; None if it is not drawn yet
@@ -34,14 +34,14 @@ class Looks:
             self._seen = shot.gbuffer(self._home)
 
     def planned(self, advisor: Advisor) -> tuple[Tensor, Advice]:
-        """The point u (N,) of the words alone (lines 2 to 5 and 7), and their advice; raises VibeError if no word is known."""
+        """The point u (N,) of the words alone (lines 2 to 5 and 7), and the advice; VibeError if no word is known."""
         vector, home = self._shot.vector, self._home
         advice = self._shot.advised(advisor, home, self._described)
         bounds = vector.bounds(feasible_ranges(advice.plan, vector.instances, vector.values(home)))
         return project(start_point(vector, advice.plan, home), *bounds), advice
 
     def drawn(self, u: Tensor, claims: tuple[Claim, ...], shot: ShotState | None = None) -> EarlyLook:
-        """The look of u (N,) with its image, drawn by a `shot` whose proxy is corrected; None for the uncorrected proxy."""
+        """The look of u (N,) with its image, drawn by `shot`, whose proxy is corrected; None: without correction."""
         shot = shot or self._shot
         with torch.no_grad():
             display = shot.draw(u).display

@@ -32,16 +32,17 @@ _TOGETHER = 32  # most backward passes in one batch: each needs the memory of a 
 _NEAR = 5.0  # values farther inside of an aim, in noticeable steps, get no gradients: no step leaves it
 _STEP = 0.02  # share of its range by which a component is moved: large, for moved shadows have some grain
 
-_Judge = Callable[[Sequence[Render], Tensor], Assessment]  # of all shots at a point (N,), differentiable
+_Judge = Callable[[Sequence[Render], Tensor], Assessment]  # (an image of each shot, point (N,)) -> assessment
 
 
 class RoundObjective:
-    """The function that a round minimizes, see `least_squares.ClaimObjective`; the shots `seen` draw and judge images.
+    """The function that a round minimizes, see `least_squares.ClaimObjective`.
 
     Args:
-        free: Keys that gradients go to. If the camera is not among them, visibility is not differentiated.
+        seen: The shots, which draw and judge images.
+        free: Keys that get gradients. If the camera is not among them, visibility is not differentiated.
         box: Lower and upper corner of the feasible box, each (N,).
-        differences: Whether slopes are computed by differences.
+        differences: True to compute slopes by differences.
     """
 
     def __init__(
@@ -59,7 +60,7 @@ class RoundObjective:
         self._box, self._weights, self._differences = box, weights, differences
         self._span = (box[1] - box[0]).clamp_min(1e-9)
 
-        # Each component's pull home: the point, and the weight in [0, 1], which is 0 if words name a range
+        # The pull of each component to its start, `home`, with a weight in [0, 1], which is 0 if words name a range
         artist = vector.encode({})
         self._home = start_point(vector, plan, artist)
         self._pull = torch.zeros_like(artist)
@@ -84,7 +85,7 @@ class RoundObjective:
         return self.judge([shot.draw(u, self.free) for shot in self.seen], u)
 
     def judge(self, pictures: Sequence[Render], u: Tensor) -> Assessment:
-        """The assessment of u (N,) from its images, one for each shot, which are given."""
+        """The assessment of u (N,) from given images of it, one for each shot."""
         similar = [self._similar(picture, fixed_views(), n).values() for n, picture in enumerate(pictures)]
         total = sum(itertools.chain(*similar), pictures[0].display.new_zeros(()))
         rows = [row for shot, picture in zip(self.seen, pictures, strict=True) for row in shot.aims(picture)]
@@ -118,14 +119,14 @@ class RoundObjective:
         return terms
 
     def held(self, u: Tensor) -> Tensor:
-        """() the terms of the pull home at u (N,), and of the pull of a color's components to one place, which keeps its hue."""
+        """Sum () of two terms at u (N,): the pull to the start values, and the pull of colors to keep their hue."""
         where, home = ((x - self._box[0]) / self._span for x in (u, self._home))
         prior = prior_loss(where, home.clamp(0.0, 1.0), self._pull)
         hue = hue_consistency_loss(where, self._colors, self._hued)
         return self._weights.prior * prior + self._weights.hue * hue
 
     def stiffness(self, chosen: Tensor) -> Tensor:
-        """(n, n) curvature of `held` over the places, in [0, 1] of their ranges, of the n chosen components (N,) bool."""
+        """Curvature (n, n) of `held` over the n components chosen (N,) bool, as places in [0, 1] of their ranges."""
         prior = 2.0 * self._weights.prior * torch.diag(self._pull[chosen])
         rest, places = torch.zeros_like(self._pull), chosen.nonzero(as_tuple=True)
 
@@ -136,10 +137,10 @@ class RoundObjective:
         return prior + self._weights.hue * hue
 
     def slopes(self, u: Tensor, chosen: Tensor) -> Slopes:
-        """Slopes at u (N,) over the n chosen components (N,) bool, computed in the cheapest way.
+        """Slopes at u (N,) over the n components chosen (N,) bool, in the cheapest of the module's three ways.
 
-        A reference image has hundreds of values. Backward passes for all are expensive, even through the film alone, so differences
-        are used. A camera that moves sees other objects: only backward passes through the renderer differentiate outlines.
+        A reference image has hundreds of values. Backward passes for all are expensive, even through the film alone, so
+        differences are used. A camera that moves sees other objects: only backward passes differentiate outlines.
         """
         keys = {key for key in self.free if chosen[self.vector.slices[key]].any()}
         values = 1 + sum(len(shot.claims.claims) for shot in self.seen if shot.claims)
@@ -152,7 +153,7 @@ class RoundObjective:
             found = backward_slopes(self.assess, u, chosen)
         else:
             found = forward_slopes(self.seen, self.judge, u, chosen, box)
-        # Supporting parameters have slope 0 for claims about a finish, so that they do not fake it: a darker room is no duller sofa.
+        # Supporting parameters have slope 0 for claims about a finish: a darker room does not make a sofa duller.
         assert found.here.finish is not None
         faked = found.here.finish[:, None] & self._supports[chosen]
         return found._replace(values=found.values.masked_fill(faked, 0.0))
@@ -167,10 +168,10 @@ def backward_slopes(assess: Callable[[Tensor], Assessment], u: Tensor, chosen: T
 
 
 def gradients(found: Assessment, leaves: Sequence[Tensor], together: bool = False) -> list[Tensor]:
-    """For each leaf, (M + 1, ...) the gradients of the M values and, last, of the rest.
+    """For each leaf, the gradients (M + 1, ...) of the M values of `found` and, last, of its rest.
 
-    They are 0 for values so far inside of their aims that no step leads out. If `together`, backward passes run in batches: on a GPU
-    a batch needs no more kernel launches than one pass.
+    Values so far inside of their aims that no step leads out get 0. If `together`, backward passes run in batches: on
+    a GPU a batch needs no more kernel launches than one pass.
     """
     near_end = (found.values < found.lower + _NEAR) | (found.values > found.upper - _NEAR)
     rows = [*found.values.unbind(), found.rest]
@@ -195,7 +196,7 @@ def gradients(found: Assessment, leaves: Sequence[Tensor], together: bool = Fals
 
 @torch.no_grad()
 def difference_slopes(assess: Callable[[Tensor], Assessment], u: Tensor, chosen: Tensor, strides: Tensor) -> Slopes:
-    """Slopes at u (N,) over the chosen components (N,) bool, by the difference along a stride (N,) in each of them."""
+    """Slopes at u (N,) over the components chosen (N,) bool: each is moved alone, by its stride in `strides` (N,)."""
     here = assess(u)
     columns = []
     for i in chosen.nonzero()[:, 0]:
@@ -208,13 +209,13 @@ def difference_slopes(assess: Callable[[Tensor], Assessment], u: Tensor, chosen:
 
 @torch.no_grad()
 def neighbors(seen: Sequence[ShotState], judge: _Judge, u: Tensor, strides: Tensor) -> Callable[[Tensor], Assessment]:
-    """Assesses a point u (N,) and the points that differ from it by a stride (N,) in one component, with shared ray tracing."""
+    """A function that assesses u (N,), or u with one component moved by its stride (N,), with shared ray tracing."""
     shots = [_ShotNeighbors(shot, u, strides) for shot in seen]
     return lambda point: judge([shot.picture(point) for shot in shots], point)
 
 
 class _ShotNeighbors:
-    """A shot's images of a point and its neighbors; arguments as for `neighbors`."""
+    """A shot's images of a point u and of its neighbors, moved in one component; arguments as for `neighbors`."""
 
     def __init__(self, shot: ShotState, u: Tensor, strides: Tensor) -> None:
         self._shot, self._u, self._moved, self._proxy = shot, u, u + strides, shot.corrected
@@ -250,7 +251,7 @@ class _ShotNeighbors:
 
 
 def pictures_for(seen: Sequence[ShotState], keys: set[str]) -> int:
-    """Number of images that `forward_slopes` would draw."""
+    """Number of images that `forward_slopes` would draw for the shots `seen` and parameters `keys`."""
     named = [shot.vector.instances[own] for shot in seen for own, key in shot.names.items() if key in keys]
     return sum(instance.parameter.group != "film" for instance in named)
 
@@ -258,7 +259,7 @@ def pictures_for(seen: Sequence[ShotState], keys: set[str]) -> int:
 def forward_slopes(
     seen: Sequence[ShotState], judge: _Judge, u: Tensor, chosen: Tensor, box: tuple[Tensor, Tensor]
 ) -> Slopes:
-    """Slopes at u (N,) over the chosen components (N,) bool in the box, forward through the scene; not for camera parameters."""
+    """Slopes at u (N,) over the components chosen (N,) bool, by the module's forward way; not for camera parameters."""
     point = u.detach().clone().requires_grad_()
     span = box[1] - box[0]
     move = torch.where(chosen, torch.where(u + _STEP * span > box[1], -_STEP, _STEP) * span, 0.0)
@@ -285,7 +286,7 @@ class _ForwardShot:
         with torch.no_grad():
             self._cache = self._proxy.traced(self._values)
             self._here = self._proxy.expose(self._values, self._cache)
-        # the fields of the undeveloped image at u that parameters change: gradients end there
+        # copies of the fields of the undeveloped image at u that parameters change; gradients end there
         self.leaves = [field.clone().requires_grad_() for field in _fields(self._here)]
 
     def picture(self, point: Tensor) -> Render:
@@ -296,7 +297,7 @@ class _ForwardShot:
         return self._proxy.develop(latent, values)
 
     def add(self, slopes: Tensor, gradients: Sequence[Tensor], move: Tensor) -> None:
-        """Adds slopes of the scene's parameters to slopes (M + 1, N), from gradients for each leaf and a move (N,) of the parameters."""
+        """Adds slopes of the scene's parameters to `slopes` (M + 1, N): leaves' gradients times changes by `move`."""
         moved = self._shot.vector.along(self._u, move)
         for key in sorted(self._scene):
             part = self._shot.vector.slices[key]

@@ -46,8 +46,9 @@ _SAME = 0.1  # noticeable steps by which a claim's distance from its aim may gro
 def run(search: Search) -> Outcome:
     """Finds the values that make the scene, or several shots of one look, look like the prompt.
 
-    On a CPU the same options give the same values, bit for bit. If several variants are asked for, all outcomes are in `variants` of
-    the one with the least loss. Raises VibeError if no word of the prompt is known, or nothing that the words touch may change.
+    On a CPU the same options give the same values, bit for bit. If several variants are wanted, the outcome with the
+    least loss has all outcomes in `variants`. Raises VibeError if no word of the prompt is known, or if nothing that
+    the words touch may change.
     """
     search.show_plan()
     outcomes = []
@@ -60,7 +61,7 @@ def run(search: Search) -> Outcome:
 
 
 def refine(search: Search, start: RoundStart) -> Outcome:
-    """The rounds from one start."""
+    """Runs the rounds from one start."""
     ends: list[RoundEnd] = []
     here: RoundStart | None = start
     while here:  # 1: for r = 0 to R - 1
@@ -112,7 +113,7 @@ class RoundEnd:
 
     @classmethod
     def seen(cls, search: Search, now: Confined, chosen: Selection, descent: Descent, seconds: float) -> RoundEnd:
-        """The end of a round at the point where its steps ended, of which Cycles renders an image."""
+        """The end of a round at the point where its steps ended; Cycles renders an image there, if it can."""
         record = {
             "parameters": chosen.keys,
             "shared": chosen.shared,
@@ -129,12 +130,12 @@ class RoundEnd:
 
 
 def nearest(ends: Sequence[RoundEnd]) -> RoundEnd:
-    """The end nearest to the words' claims; of equally near ends the last."""
+    """The end of a round that is nearest to the words' claims; of equally near ends the last."""
     return min(reversed(ends), key=lambda end: end.missed)
 
 
 def next_round(search: Search, ends: Sequence[RoundEnd]) -> RoundStart | None:
-    """The round that follows the last of these ends; None if no further round is worth it, or none is left."""
+    """The start of the round after the last of these ends; None if no further round is worth it, or none is left."""
     last, best, has_claims = ends[-1], nearest(ends), claims_words(ends[-1].shots)
     if len(ends) == search.rounds or not last.record["parameters"] or search.clock.stopped:
         return None
@@ -173,7 +174,7 @@ def claims_words(shots: Sequence[ShotState]) -> bool:
 
 
 def least_change(search: Search, ends: Sequence[RoundEnd]) -> RoundEnd:
-    """The best end, with supporting parameters moved back, see `eased`, if a Cycles image confirms that no more claims are missed."""
+    """The best end of a round, eased (see `eased`) if a Cycles image confirms that this misses no more claims."""
     best = nearest(ends)
     if not claims_words(best.shots) or best.confined.here.near or search.clock.stopped:
         return best
@@ -188,10 +189,11 @@ def least_change(search: Search, ends: Sequence[RoundEnd]) -> RoundEnd:
 
 
 def eased(search: Search, shots: Sequence[ShotState], plan: Plan, u: Tensor) -> Tensor | None:
-    """A point (N,) like u whose supporting parameters are as near to the artist's values as the claims allow; None if none is nearer.
+    """The point u (N,) with supporting parameters moved back to the artist's values, as far as the claims allow.
 
-    A round's steps may move them farther than the claims need. A dark car may need a little more light to be told from its floor,
-    and gets a white floor in glaring light, because no claim contradicts that. The proxies, corrected at u, predict the claims.
+    None if they cannot, or have hardly moved. The steps of a round may move them farther than the claims need: a dark
+    car may need a little more light to stand out from its floor, and gets a white floor in glaring light, because no
+    claim contradicts that. The proxies, corrected at u, predict the claims.
     """
     if search.pictured:  # with a reference image all values may move freely
         return None
@@ -206,7 +208,7 @@ def eased(search: Search, shots: Sequence[ShotState], plan: Plan, u: Tensor) -> 
 
 
 def _distances(shots: Sequence[ShotState], u: Tensor) -> Tensor:
-    """(C,) noticeable steps by which the images of u (N,) miss each claim's aim, see `Claim.aim`; the first is always 0."""
+    """Noticeable steps (1 + C,) by which images of u (N,) miss the aims of C claims; the first number is always 0."""
     found = [torch.zeros(())]
     with torch.no_grad():
         for shot in shots:
@@ -217,7 +219,7 @@ def _distances(shots: Sequence[ShotState], u: Tensor) -> Tensor:
 
 
 def outcome_of(search: Search, start: RoundStart, ends: Sequence[RoundEnd], best: RoundEnd) -> Outcome:
-    """The result of the rounds from a start."""
+    """The result of a start: the `best` end of its rounds, and the records of all `ends`."""
     plan = best.confined.plan
     if start.near:
         plan = starts.with_reasons(plan, search.vector, best.u)

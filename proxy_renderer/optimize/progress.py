@@ -20,27 +20,30 @@ BEFORE, PREVIEW = "before.png", "preview.png"
 
 
 class Observer(Protocol):
-    """Follows the loop."""
+    """Receives the progress of the loop, for a panel or a terminal, and may end the loop."""
 
-    wants_looks: bool  # whether it shows looks before the end, see `looks`
+    wants_looks: bool  # whether it shows looks before the end, see the module `looks`
 
     def stage(self, name: str) -> None:
-        """Something other than a step begins."""
+        """Work other than a step begins, with a name for the user, as "trying 6 starts"."""
 
     def begin(self, display: Tensor, lit: bool) -> None:
-        """The loop begins with display (H, W, 3), the artist's image; if not `lit`, it and that of the words' first values are black."""
+        """The loop begins with `display` (H, W, 3), the image of the artist's values.
+
+        `lit` is False if both this image and that of the first values from the words are black.
+        """
 
     def look(self, look: EarlyLook) -> None:
         """A first or a better look is found; the same look may follow again with its image."""
 
     def step(self, progress: Progress, display: Tensor) -> bool:
-        """A step is done, and display (H, W, 3) in [0, 1] is its image. True ends the loop with the best result so far."""
+        """A step is done, with image `display` (H, W, 3) in [0, 1]. True ends the loop with the best result so far."""
 
     def stopped(self) -> bool:
         """True to end the loop with the best result so far; asked during long work outside of steps."""
 
     def ask(self, request: Anchor) -> Anchored | None:
-        """Blender's answer to a request for a Cycles image; None if there is none, or the loop should end."""
+        """Blender's answer to a request for a Cycles image; None if it gives no answer, or the loop should end."""
 
 
 class Clock:
@@ -52,7 +55,7 @@ class Clock:
         self.stopped = False
 
     def follow(self, number: int) -> Callable[[int, float, Render], bool]:
-        """The callback for the inner steps of a round, whose `number` counts from 0, see `on_step` of `least_squares.solve`."""
+        """The callback `on_step` of `least_squares.solve` for the round `number`, from 0."""
         rounds, steps = self._rounds, self._most
         begin, earlier = time.monotonic(), self._seconds
 

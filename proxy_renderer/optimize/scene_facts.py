@@ -44,7 +44,7 @@ _KEPT = 0.8  # share of the distance to the nearest surface up to which a light 
 
 
 def described(*scenes: SceneData) -> SceneDescription:
-    """The scene, or all shots of it, as words and plans know it before any change."""
+    """Description of a scene, or of all its shots together, for words and plans, before any change."""
     objects: dict[str, Region] = {}
     materials: dict[str, Region] = {}
     worn: dict[str, list[str]] = {}
@@ -87,7 +87,7 @@ def described(*scenes: SceneData) -> SceneDescription:
 def described_now(
     known: SceneDescription, proxy: Proxy, values: dict[str, Values], picture: Render | None
 ) -> SceneDescription:
-    """The `known` description of a scene, updated to its current values, its added lights and backdrop, and the proxy's image."""
+    """The `known` description of a scene, updated by current values, added lights, backdrop and the proxy's image."""
     scene, stats = proxy.scene, None
     world, materials = _coverage(proxy, values)
     backdrop = scene.world.image if scene.world.backdrop is None else scene.world.backdrop
@@ -110,7 +110,7 @@ def described_now(
 
 
 def light_descriptions(scene: SceneData, added: bool) -> dict[str, LightDescription]:
-    """Name -> description of the lights that the words have added to a scene, or else of its own lights."""
+    """Name -> description of each light that the words have added to the scene, or of its own lights if not `added`."""
     found = {}
     for light in (light for light in scene.lights if light.added == added):
         orbit, camera = f"light/{light.name}/azimuth", "camera/azimuth"
@@ -126,7 +126,7 @@ def mean_luminance(image: np.ndarray | None) -> float:
 
 
 def _coverage(proxy: Proxy, values: dict[str, Values]) -> tuple[float | None, dict[str, float]]:
-    """Shares of the camera's view: the world's of the surroundings (None if there are none), and each material's of its region."""
+    """The world's share of the surroundings' pixels (None without surroundings); material -> share of its region's."""
     scene, geometry = proxy.scene, proxy.geometry
     cameras = {k: torch.tensor(v) for k, v in values.items() if k.startswith("camera/")}
     view = view_of(scene, RenderValues(scene, cameras, geometry.device), (_SIDE, _SIDE))
@@ -147,7 +147,7 @@ def _coverage(proxy: Proxy, values: dict[str, Values]) -> tuple[float | None, di
 
 @torch.no_grad()
 def light_sizes(scene: SceneData, geometry: RayGeometry) -> dict[str, float]:
-    """Key of a light's size -> the size in meters at which the light nearly touches a surface; at least its present size."""
+    """Key of a light's size -> size in meters at which the light nearly touches a surface, never below the present."""
     widest: dict[str, float] = {}
     for source in light_sources(scene, RenderValues(scene, {}, geometry.device)):
         key = f"light/{source.light.name}/size"
@@ -183,7 +183,7 @@ _met: weakref.WeakKeyDictionary[SceneMesh, tuple[Path, _Rays]] = weakref.WeakKey
 
 
 def present_looks(scene: SceneData) -> dict[str, MaterialLook]:
-    """The present look of every material."""
+    """Name of every material -> its look in the scene as exported."""
     rays = _rays(scene)
     structures, looks = _structures(scene, rays), {}
     for number, material in enumerate(scene.materials):
@@ -201,7 +201,7 @@ def present_looks(scene: SceneData) -> dict[str, MaterialLook]:
 
 
 def _rays(scene: SceneData) -> _Rays:
-    """Rays of a scene. They are traced once for each job: for a tree this takes longer than reading a prompt."""
+    """The hits of the camera's rays, traced once for each job folder: in a scene of trees this takes long."""
     mesh = scene.mesh
     job, rays = _met.get(mesh, (None, None))
     if rays is not None and job == scene.folder:
@@ -246,7 +246,7 @@ def _color(scene: SceneData, material: Material) -> Values | None:
 
 
 def _structures(scene: SceneData, rays: _Rays) -> dict[str, list[int]]:
-    """Structure, as "ground" -> index of its material, if one is clearly the largest; "walls" -> those of several walls."""
+    """Structure, as "ground" -> [index of its material], if one is clearly the largest; "walls" -> several indices."""
     if not len(rays.height):
         return {}
     # The lowest 3 % and the highest 1 % do not count, as a hole in the ground.
@@ -275,7 +275,7 @@ def _structures(scene: SceneData, rays: _Rays) -> dict[str, list[int]]:
 
 
 def _parts(height: np.ndarray, slope: np.ndarray, scene: tuple[float, float, float]) -> Iterator[str]:
-    """Structures that a material may be, from the heights and slopes of its pixels."""
+    """Structures that a material may be, by the `height` in meters and `slope` (z of the normal) of its n pixels."""
     low, tall, stands = scene  # lowest height, extent upward, and height that the subject stands on
     level = height[slope > _LEVEL]
     if len(level) > _MOST * len(height) and abs(np.median(level) - low) < _NEAR * tall:

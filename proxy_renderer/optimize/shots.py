@@ -37,7 +37,7 @@ AnchorRequest = Callable[[messages.Anchor], messages.Anchored | None]  # to Blen
 
 
 class BlenderPictures:
-    """A source of Cycles images of one shot, rendered by Blender. After failures, which are noted, the loop goes on without them."""
+    """A source of Cycles images of one shot, which Blender renders; none after two failures in a row or a slow one."""
 
     def __init__(self, scene: SceneData, ask: AnchorRequest, seed: int, shot: int = 0) -> None:
         self._scene, self._ask, self._seed, self._shot = scene, ask, seed, shot
@@ -85,15 +85,15 @@ PictureSource = Callable[[dict[str, list[float]], tuple[int, int]], CyclesPictur
 
 @dataclass(frozen=True)
 class AnchorState:
-    """A proxy's correction by a Cycles image, the anchor."""
+    """The correction of a proxy by a Cycles image, the anchor."""
 
     correction: Correction | None = None  # None for the uncorrected proxy
     u: Tensor | None = None  # (N,) the point where the correction is exact; None without an anchor that is still valid
-    earlier: Correction | None = None  # the correction before, which tells how good the last prediction was
+    earlier: Correction | None = None  # the correction before this one
     picture: CyclesPicture | None = None  # the anchor
 
     def distance(self, u: Tensor) -> float:
-        """Largest distance of a component of u (N,) from the anchor's, as a share of its whole range; infinite without one."""
+        """Largest difference of a component of u (N,) from the anchor's, in [0, 1]; infinite without an anchor."""
         return float((u - self.u).abs().max()) if self.u is not None else float("inf")
 
 
@@ -104,18 +104,18 @@ _HERE = 0.01  # distance from an anchor, see `AnchorState.distance`, within whic
 _NEAR = 0.25  # distance up to which an old correction is better than none
 
 _LARGEST, _USUAL = 256, 144
-"""Longer side of the images inside the loop, in pixels: the largest, and the usual one. 192 costs 1.7 times as much for the same looks."""
-_OF_A_PICTURE = 128  # the same with a reference image, of which no fine details are measured
+"""Longer side in pixels of the images inside the loop: the largest, and the usual one. 192 takes 1.7 times as long."""
+_OF_A_PICTURE = 128  # the usual one if there is a reference image: no fine details are measured
 
 
 @dataclass(frozen=True)
 class ShotInput:
-    """A shot before the loop."""
+    """A shot, which is one of several cameras, frames or scenes, before the loop."""
 
     scene: SceneData  # as its camera sees it at its frame
     source: PictureSource | None = None  # of Cycles images; None if there are none
     file: str = ""  # name of its .blend: values that differ within one .blend are animated
-    known: KnownPicture | None = None  # the Cycles image that the vibe before ended with
+    known: KnownPicture | None = None  # the last Cycles image of the run before, if there is one
 
 
 @dataclass
@@ -133,8 +133,8 @@ class ShotState:
     before: MeasuredPicture | None = None  # the proxy's image of the artist's values; None before the loop
     claims: ClaimSet | None = None  # about the shot's images; None before the loop
     seen: GBuffer | None = None  # the camera's view in which the claims are measured
-    _seen_at: Tensor | None = None  # (N,) the point that it belongs to
-    _last: tuple[Tensor, Render] | None = None  # cache: the point of the last image, and the image
+    _seen_at: Tensor | None = None  # (N,) the point u at which `seen` was made
+    _last: tuple[Tensor, Render] | None = None  # cache: the point u of the last image, and the image
 
     @property
     def corrected(self) -> Proxy:
@@ -152,7 +152,7 @@ class ShotState:
         return self._last[1]
 
     def advised(self, advisor: Advisor, u: Tensor, described: SceneDescription) -> Advice:
-        """An advisor's advice on this shot at u (N,), with its scene and its image; raises VibeError if there is none."""
+        """An advisor's advice from the shot's scene and image at u (N,); raises VibeError if the advisor has none."""
         image = self.draw(u)
         now = described_now(described, self.proxy, self.vector.values(u), image)
         advice = advisor.advise(image.display, self.vector.instances, now)
@@ -162,10 +162,10 @@ class ShotState:
         return replace(advice, plan=plan)
 
     def anchored(self, u: Tensor, number: int, slack: float = _HERE) -> ShotState:
-        """The shot with its proxy corrected at u (N,) by a new Cycles image, if there is a source.
+        """The shot with its proxy corrected at u (N,) by a new Cycles image, in round `number`, from 0.
 
-        The shot stays the same if its anchor lies within `slack` of u, or if only light and film differ from its anchor: a sum of the
-        anchor's light layers is then exact at u, too.
+        It stays the same without a source, or if its anchor lies within `slack` of u, or if only light and film differ
+        from its anchor: a sum of the anchor's light layers is then exact at u, too.
         """
         distance = self.anchor.distance(u)
         if self.source is None or distance <= slack:
@@ -185,7 +185,7 @@ class ShotState:
         return shot
 
     def known_picture(self) -> KnownPicture | None:
-        """The Cycles image that corrects the proxy, for a vibe that follows; None if there is none."""
+        """The Cycles image that corrects the proxy, for the run of a further sentence; None without an anchor."""
         if self.anchor.picture is None or self.anchor.u is None:
             return None
         return KnownPicture(self.scene, self.vector.values(self.anchor.u), self.anchor.picture)
@@ -195,18 +195,18 @@ class ShotState:
         return replace(self, anchor=anchor, vector=vector or self.vector, _last=None, _seen_at=None)
 
     def gbuffer(self, u: Tensor) -> GBuffer:
-        """The camera's view at u (N,)."""
+        """The G-buffer at u (N,): the surfaces that the camera sees."""
         return self.proxy.gbuffer(chosen_values(self.vector, u, self.proxy.device))
 
     def viewed(self, u: Tensor) -> ShotState:
-        """The shot with the regions of its claims in the view of u (N,): the camera may have moved."""
+        """The shot with the image regions of its claims found again at u (N,), where the camera may have moved."""
         if self.claims is None or (self._seen_at is not None and torch.equal(self._seen_at, u)):
             return self
         seen = self.gbuffer(u)
         return replace(self, seen=seen, claims=self.claims.in_view(seen), _seen_at=u.detach().clone())
 
     def judged(self, claims: tuple[Claim, ...], image: Render, u: Tensor) -> ShotState:
-        """The shot with claims, whose values `before` come from its image of the artist's values u (N,); the same if it has claims."""
+        """The shot with `claims`, measured on `image`, of the artist's values u (N,); the same if it has claims."""
         if self.claims is not None:
             return self
         before = MeasuredPicture(image.display.detach(), self.gbuffer(u))
@@ -214,16 +214,16 @@ class ShotState:
 
     @torch.no_grad()
     def missed(self, u: Tensor) -> list[Tensor]:
-        """Distance of the shot's image at u (N,) from each claim: (n,) in noticeable steps, measured in the view of u."""
+        """Distance of the shot's image at u (N,) from each measurable claim: (n,) each, in noticeable steps."""
         viewed = self.viewed(u)
         return viewed.residuals(viewed.draw(u))
 
     def residuals(self, picture: Render) -> list[Tensor]:
-        """Distance of an image from each claim: (n,) in noticeable steps, differentiable in the image."""
+        """Distance of an image from each measurable claim: (n,) each, in noticeable steps, differentiable."""
         return self.claims.residuals(self._measured(picture)) if self.claims else []
 
     def aims(self, picture: Render) -> list[tuple[Claim, Tensor, Tensor, Tensor]]:
-        """The claims, each with its value in an image and its aim's lower and upper end, see `ClaimSet.aims`."""
+        """Measurable claims, each with its value in an image and the ends of its aim, see `ClaimSet.aims`."""
         return self.claims.aims(self._measured(picture)) if self.claims else []
 
     def _measured(self, picture: Render) -> MeasuredPicture:
@@ -231,7 +231,7 @@ class ShotState:
         return MeasuredPicture(picture.display, replace(self.seen, transmittance=picture.transmittance))
 
     def planned(self, plan: Plan) -> ShotState:
-        """The shot with the vector's values for parameters that the plan lets move, also where its own scene has other values."""
+        """The shot, where parameters that the plan lets move have the vector's values instead of its own scene's."""
         theirs, shared = self.scene.instances, self.vector.instances
         free = (own for own, key in self.names.items() if plan[key].prior < 1.0 and not shared[own].locked)
         named = {own for own in free if not alike(theirs[own].value, shared[own].value)}
@@ -249,7 +249,7 @@ def draw(proxy: Proxy, vector: ParameterVector, u: Tensor, free: set[str] | froz
 def chosen_values(
     vector: ParameterVector, u: Tensor, device: torch.device, free: set[str] | frozenset[str] = frozenset()
 ) -> dict[str, Tensor]:
-    """Key -> (components,) float32 value of u (N,) in schema units, for free keys, with gradients, and for changed or taken values."""
+    """Key -> (C,) float32 value at u (N,), schema units: of free keys, with gradients, and of changed or taken keys."""
     moved = (u.detach() - vector.encode({})).abs() > 1e-9
     values = {}
     for key, value in vector.decode(u).items():
@@ -263,7 +263,10 @@ def chosen_values(
 def gathered(
     views: Sequence[ShotInput], options: Options, proxy: Callable[[SceneData], Proxy]
 ) -> tuple[ParameterVector, list[ShotState]]:
-    """The vector that the shots of a vibe share, and the shots; raises VibeError if a group or a lock names nothing."""
+    """The vector of values that the shots of a vibe share, and the shots; `proxy` makes the proxy of a shot's scene.
+
+    Raises VibeError if a group or a lock of the options names nothing.
+    """
     instances, names = shared_parameters(views, ("camera", "film") if options.grade_each else ("camera",))
     vector = ParameterVector(lock(instances, options.groups, options.lock, options.camera))
     vector = vector.taking(added_values(views[0].scene), views[0].scene.links)
@@ -284,10 +287,10 @@ def gathered(
 def shared_parameters(
     views: Sequence[ShotInput], own: Sequence[str] = ()
 ) -> tuple[dict[str, Instance], list[dict[str, str]]]:
-    """One set of parameters for all shots, with the first shot's values, and for each shot a mapping from its keys to shared keys.
+    """Shared parameters by key, with the first shot's values; and for each shot: its own key -> shared key.
 
-    A value that is locked in one shot is locked in all, and so is a value that differs between shots of one .blend. Each shot has its
-    own parameters of the groups in `own`.
+    A value that is locked in one shot is locked in all, and so is a value that differs between shots of one .blend.
+    Parameters of the groups in `own` are not shared: each shot has its own.
     """
     shared: dict[str, Instance] = {}
     files: dict[str, str] = {}
@@ -313,9 +316,10 @@ def added_values(scene: SceneData) -> set[str]:
 def lock(
     instances: Mapping[str, Instance], groups: Sequence[str], locks: Sequence[str], camera: bool
 ) -> dict[str, Instance]:
-    """Instances with the artist's locks and their reasons; the camera is locked unless `groups` or `camera` free it.
+    """Key -> instance, whose `locked` has the reason if it may not change; else "".
 
-    Raises VibeError if a group or a lock names nothing.
+    Only the groups in `groups` may change, if there are any; the camera only if `groups` or `camera` allow it. Raises
+    VibeError if a group or a lock names nothing.
     """
     if strange := [g for g in groups if g not in GROUPS]:
         raise VibeError(f"Unknown group {strange[0]!r}.", f"Use some of: {', '.join(GROUPS)}.")

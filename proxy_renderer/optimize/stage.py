@@ -29,7 +29,7 @@ from ..words.types import Attribute, SaidLink, SceneDescription
 from .scene_facts import described
 
 _SPARE = {light_name(part, "AREA") for part in ("key", "fill", "rim", "kicker", "bounce")}
-"""Lights that single words may need, as "rim light", if they ask for no rig; the last two if the scene already has such a light."""
+"""Lights that single words such as "rim light" may need without a rig; the last two if the scene has such a light."""
 
 
 @dataclass(frozen=True)
@@ -43,12 +43,12 @@ class StagedScenes:
 
     @property
     def plan(self) -> LightPlan | None:
-        """The rig's plan."""
+        """The plan of the rig's lights; None without a rig."""
         return self.lighting.plan if self.lighting else None
 
     @property
     def advisor(self) -> OfflineAdvisor:
-        """The planner of these goals."""
+        """The planner for these goals and the rig."""
         return OfflineAdvisor(self.goals, self.plan)
 
     def claims(self, goals: Goals) -> tuple[Claim, ...]:
@@ -65,11 +65,17 @@ def set_stage(
     written: WrittenGoals | None = None,
     goes_on: bool = False,
 ) -> StagedScenes:
-    """The shots with the rig that the words ask for; without a rig, with standby lights and a backdrop that single words need.
+    """The shots with the lights and the backdrop that the words ask for, as a rig or one by one.
 
-    The first of several shots decides on lights for all, if there may be `new_lights`; a backdrop is added to all or to none. `written`
-    goals replace those of the prompt. The goals of a prompt that `goes_on`, a further sentence, are relative to the present image.
-    Raises VibeError if a target, as "copper=Cup", names nothing in the scene, or if a further sentence asks for nothing.
+    Args:
+        scenes: The shots. The first decides on lights for all; a backdrop is added to all shots or to none.
+        prompt: The words; with `goes_on` a further sentence, whose goals are relative to the present image.
+        new_lights: True if lights may be added.
+        target: "WORD=NAME" each: the object, material or light in the scene that a word means, as "copper=Cup".
+        written: Goals that replace those of the prompt.
+
+    Raises:
+        VibeError: A target names nothing in the scene, or a further sentence only describes the present image.
     """
     prompt, factor, compared = sentences.plain(prompt) if goes_on else (prompt, 0.0, "")
     anew = goes_on and new_lights and sentences.adds_light(prompt)
@@ -116,14 +122,14 @@ def _with_needed(
 
 
 def _names_only_a_source(served: Iterable[Attribute]) -> bool:
-    """True if of all setups the words name only sources of light, as a candle, and no hour, style or place."""
+    """True if all rigs that the words name are sources of light, as a candle: none is an hour, a style or a place."""
     rigs = rig_table().rigs
     kinds = {rigs[a.entry].kind for a in served if a.entry in rigs and not rigs[a.entry].adds}
     return kinds == {"source"}
 
 
 def _about_added(understood: Understood) -> list[str]:
-    """Targets for colors of light without a target of their own: in "another rim light, warm" the added light is warm."""
+    """Targets "WORD=NAME" for colors of light without one: in "another rim light, warm" the added light is warm."""
     added = [word.target for word in understood.words if word.target in ("rim light", "fill light")]
     if len(added) != 1:
         return []
@@ -133,7 +139,7 @@ def _about_added(understood: Understood) -> list[str]:
 
 
 def linked(stage: StagedScenes, options: Options) -> StagedScenes:
-    """A stage with the light links that its words ask for; lights that the artist has locked are left out."""
+    """The stage with the light links that the words ask for; lights that the artist has locked are left out."""
     if isinstance(stage.goals, VibeError):
         return stage
     notes, scenes = stage.goals.parsed.notes, list(stage.scenes)
@@ -152,7 +158,10 @@ def linked(stage: StagedScenes, options: Options) -> StagedScenes:
 
 
 def _lights(said: SaidLink, scene: SceneData, stage: StagedScenes) -> list[str]:
-    """The lights of a scene that a link's words mean: those that they name and added ones of the role, else all of the role."""
+    """Names of the lights of a scene that the words of a link mean.
+
+    They are lights that the words name, and added ones of the words' role; without such, all lights of this role.
+    """
     playing = stage.lighting.parts if stage.lighting else {}
     added = [x.name for x in scene.lights if x.added and playing.get(x.name, x.role) == said.role]
     own = [x.name for x in scene.lights if not x.added and x.name in said.lights]

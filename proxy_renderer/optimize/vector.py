@@ -23,7 +23,7 @@ _NARROW = 0.15  # in u: a narrower range opens as one of this width does
 
 
 class ParameterVector:
-    """The map between {key: values} and u, component by component (a color has three).
+    """The map between {key: values in schema units} and u (N,), component by component (a color has three).
 
     u is float64, so that values that did not move survive the round trip. Decoded values are float32, as the renderer expects.
     """
@@ -48,7 +48,7 @@ class ParameterVector:
         self._home = self.encode({key: instance.value for key, instance in self.instances.items()})
 
     def view(self, names: Mapping[str, str]) -> ParameterVector:
-        """The same u under the keys of one of several shots; `names` maps the shot's keys to those of this vector."""
+        """The same vector under the keys of one of several shots; `names`: key of the shot -> key of this vector."""
         shown = copy(self)
         shown.instances = {own: self.instances[key] for own, key in names.items()}
         shown.slices = {own: self.slices[key] for own, key in names.items()}
@@ -63,7 +63,7 @@ class ParameterVector:
         return other
 
     def encode(self, values: Mapping[str, Sequence[float]]) -> Tensor:
-        """u (N,) float64 in [0, 1] of values in schema units, by key; keys that are missing take the artist's value."""
+        """u (N,) float64 in [0, 1]; `values`: key -> value in schema units; keys that are missing take the artist's."""
         u = self._home.clone()
         for key in values.keys() & self.slices.keys():
             instance = self.instances[key]
@@ -76,8 +76,8 @@ class ParameterVector:
     def decode(self, u: Tensor) -> dict[str, Tensor]:
         """Key -> (C,) float32 values of u (N,) in schema units, differentiable in u.
 
-        A power scale is flat at its lower end, so that fog of density zero could never grow. Below u = 0.05 the gradient is therefore
-        the slope at 0.05.
+        A power scale is flat at its lower end, so that fog of density zero could never grow. The gradient for u < 0.05
+        is therefore the slope at 0.05.
         """
         return self.along(u, u - u.detach())
 
@@ -95,12 +95,12 @@ class ParameterVector:
         return {key: linked[part] for key, part in self.slices.items()}
 
     def strides(self, u: Tensor) -> Tensor:
-        """(N,) moves of u (N,) that change an image a little, for differences; longer where a power scale is flat."""
+        """Moves (N,) of u (N,) for finite differences, which change an image a little; longer where a scale is flat."""
         flat = (self._exponent >= _FLAT_FROM) & (u < _FLAT_BELOW)
         return torch.where(flat, _FLAT_STRIDE, _STRIDE).to(u)
 
     def values(self, u: Tensor) -> dict[str, Values]:
-        """Key -> values of u (N,) in schema units, rounded to six digits; values that did not move are exactly the artist's."""
+        """Key -> values of u (N,) in schema units, to six digits; values that did not move are exactly the artist's."""
         moved, raw = (u.detach() - self._home).abs() > 1e-9, self.plain(u)
         out: dict[str, Values] = {}
         for key, part in self.slices.items():
@@ -131,7 +131,10 @@ class ParameterVector:
         return marked
 
     def bounds(self, ranges: Mapping[str, tuple[Values, Values]]) -> tuple[Tensor, Tensor]:
-        """The lower and upper corner (N,) of the feasible box: the ranges by key, else the hard bounds; locks hold the artist's values."""
+        """The lower and upper corner, each (N,), of the feasible box; `ranges`: key -> (lower, upper).
+
+        Keys without a range get their hard bounds, locked keys the artist's values.
+        """
         free = {key: instance for key, instance in self.instances.items() if not instance.locked}
         own = {key: ranges.get(key, (instance.lower, instance.upper)) for key, instance in free.items()}
         lower, upper = (self.encode({key: ends[side] for key, ends in own.items()}) for side in (0, 1))
@@ -144,22 +147,22 @@ def project(u: Tensor, lower: Tensor, upper: Tensor) -> Tensor:
 
 
 def start_point(vector: ParameterVector, plan: Plan, u: Tensor) -> Tensor:
-    """The point u (N,) with the starts of a plan's entries in the place of its values, see `PlanEntry.start`."""
+    """The point u (N,), moved to the start values of those plan entries that have some, see `PlanEntry.start`."""
     starts = {key: entry.start for key, entry in plan.items() if entry.start is not None}
     return torch.where(vector.mark(starts), vector.encode(starts), u)
 
 
 def around(u: Tensor, lower: Tensor, upper: Tensor, share: float) -> tuple[Tensor, Tensor]:
-    """The corners, each (N,), of a smaller box around u (N,), projected into the box: `share` of each range on either side."""
+    """The corners, each (N,), of the part of a box within `share` of each range from u (N,), projected into the box."""
     middle, reach = project(u, lower, upper), share * (upper - lower)
     return torch.maximum(lower, middle - reach), torch.minimum(upper, middle + reach)
 
 
 def opened(lower: Tensor, upper: Tensor, share: Tensor, own: Tensor) -> tuple[Tensor, Tensor]:
-    """The corners, each (N,), of a box whose ranges open by a share (N,) of their width at both ends, within the hard bounds.
+    """The corners, each (N,), of a box whose ranges open at both ends by `share` (N,) of their width, within [0, 1].
 
-    A range narrower than `_NARROW` opens as if it had that width. A range does not open beyond the artist's point `own` (N,) outside
-    of it: "more contrast" never becomes less than the artist's.
+    A range narrower than `_NARROW` opens as if it had that width. If the artist's point `own` (N,) lies outside a
+    range, the range does not open beyond it: "more contrast" never becomes less than the artist's.
     """
     margin = torch.where(share > 0.0, share * (upper - lower).clamp_min(_NARROW), 0.0)
     low = torch.where(own < lower, torch.maximum(lower - margin, own), lower - margin)
@@ -170,7 +173,10 @@ def opened(lower: Tensor, upper: Tensor, share: Tensor, own: Tensor) -> tuple[Te
 def feasible_ranges(
     plan: Plan, instances: Mapping[str, Instance], values: Mapping[str, Values]
 ) -> dict[str, tuple[Values, Values]]:
-    """Key -> (lower, upper) of the plan, with azimuths turned by whole circles to lie nearest to the values, or the artist's values."""
+    """Key -> (lower, upper) of the plan's range; azimuths are turned by a whole circle if that is nearer to `values`.
+
+    Keys that `values` lacks are compared with the artist's values.
+    """
     return {
         key: nearest_turn(instances[key], entry.lower, entry.upper, values.get(key, instances[key].value))
         for key, entry in plan.items()
@@ -198,8 +204,8 @@ _BRIGHTEST, _AROUND = 5.0, 1.0  # stops: the largest correction, and how far the
 def exposed_through_air(plan: Plan, vector: ParameterVector, linear: Callable[[Tensor], Tensor]) -> Plan:
     """The plan, with a start for the exposure at which the image through its fog is as light as without fog.
 
-    Cycles' fog takes most of a sun's light. The plan stays the same if words do not name the fog, if they name the exposure, or if the exposure may not change. `linear`
-    renders the scene-linear image (H, W, 3) of a point u (N,).
+    Cycles' fog takes most of a sun's light. The plan stays the same if words do not name the fog, if they name the
+    exposure, or if the exposure may not change. `linear` renders the scene-linear image (H, W, 3) of a point u (N,).
     """
     air, film = plan.get(DENSITY), plan.get(EXPOSURE)
     if not (air and film) or not air.is_named or film.priority is None or film.is_named:

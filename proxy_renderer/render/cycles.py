@@ -38,7 +38,7 @@ from .surface.view_cache import ViewCache
 Tensors = Mapping[str, Tensor]
 
 REST = "rest"  # owner of light that belongs to no light group: of glowing surfaces, and of what cannot be grouped
-_RATIO = 4.0
+_RATIO = 4.0  # largest c, and inverse of the smallest
 _DARK = 0.02  # in mean radiances: darker pixels count as equally dark
 _FAINT = 2e-3  # in mean radiances: ratios between darker pixels are unreliable
 _BRIGHTER = 16.0  # largest factor by which a residual grows with its light
@@ -52,31 +52,34 @@ _REACH = 2.0  # radius of a look-up, in pixels of the anchor
 _ALIKE = 0.5  # width in stops within which pixels count as equally bright
 _LEAST_WEIGHT = 1e-3  # least sum of weights in a look-up; a pixel exactly at the place has 4
 _OUTLINE = 0.2  # weight of pixels next to an outline, which show two surfaces
-_BRIGHTEST = 1e4
+_BRIGHTEST = 1e4  # radiance to which Cycles' pixels are clipped
 _ROUNDING = 1e-3  # share of a pixel below which light outside all groups counts as a rounding error
 
 
 @dataclass
 class Correction:
-    """The constants of one anchor."""
+    """The constants with which an anchor, a Cycles image at values θ₀, corrects the proxy, see the module's formula."""
 
     view: View  # the camera of the anchor
-    guide: Tensor  # (H, W) int64 number of the object and material that a pixel shows; -1 for none
-    colors: Tensors  # owner, as "light/NAME" or "world", to s_g(θ₀), (3,)
-    values: Tensors  # θ₀
+    guide: Tensor  # (H, W) int64 number for the object and material that a pixel shows; -1 for none
+    colors: Tensors  # owner of a light, "light/NAME" or "world" -> its color s_g(θ₀), (3,)
+    values: Tensors  # θ₀: parameter key -> components
     dark: float  # radiance below which pixels count as equally dark
     stops: Tensor  # (P,) brightness of the proxy's image at θ₀, in stops
-    parts: Tensors  # owner to the proxy's own image (3, P) of its light at θ₀
-    rest: Tensor  # (3, P) the proxy's light at θ₀ that belongs to no owner: of glowing surfaces
-    fields: Tensor  # (3 (2 + G), P): c, the least share of P that must remain, and the owners' residuals
+    parts: Tensors  # owner -> the proxy's own image (3, P) of the owner's light at θ₀
+    rest: Tensor  # (3, P) the proxy's own image of light without an owner, from glowing surfaces, at θ₀
+    fields: Tensor  # (3 (2 + G), P): c, the least share of the proxy's image that must remain, the owners' residuals
     owners: tuple[str, ...]  # the G owners that Cycles' image has parts of, `REST` among them
-    _kept: tuple[ViewCache, Tensor] | None = field(default=None, repr=False)
+    _kept: tuple[ViewCache, Tensor] | None = field(default=None, repr=False)  # see `samples`: a view, its fields
 
     @staticmethod
     def of(
         picture: CyclesPicture, whole: Tensor, parts: Tensors, colors: Tensors, values: Tensors, cache: ViewCache
     ) -> Correction:
-        """Compares Cycles' image with the proxy's at the same values: its `whole` (3, P), its `parts` (3, P) by owner of the light."""
+        """The correction from Cycles' image and the proxy's own images of the same values.
+
+        The proxy's are `whole` (3, P), with all light, and `parts`: owner -> image (3, P) of the owner's light alone.
+        """
         guide = _names(cache.samples.center_hits, cache.geometry).view(cache.depth.shape)
         known_owners = [owner for owner in picture.parts if owner in parts]
         reference = picture.whole.flatten(0, 1).T.to(whole)  # (3, P)
@@ -98,7 +101,10 @@ class Correction:
         return Correction(*kept, rest, fields, (*known_owners, REST))
 
     def pixels(self, linear: Tensor, colors: Tensors, fields: Tensor | None = None) -> Tensor:
-        """Corrected pixels (3, P) of the anchor's view, at the owners' current colors (3,); `fields` replace those of its pixels."""
+        """The proxy's image `linear` (3, P), corrected at the current `colors`: owner -> color (3,) of its light.
+
+        `fields` (3 (2 + G), P) are those of the P pixels or samples; None for pixels of the anchor's own view.
+        """
         fields = self.fields if fields is None else fields
         corrected = fields[:3] * linear
         for residual, owner in zip(fields[6:].split(3), self.owners, strict=True):
@@ -113,10 +119,10 @@ class Correction:
     def samples(
         self, radiance: Tensor, colors: Tensors, view: View, cache: ViewCache, before: Callable[[], Tensor]
     ) -> Tensor:
-        """Corrected radiance (3, N) of another view's samples: not of its pixels, so that outlines stay smooth.
+        """Corrected `radiance` (3, N) of another view's samples. Correcting samples, not pixels, keeps outlines smooth.
 
-        `before` renders the proxy's radiance (3, N) of these samples at θ₀. Fields are looked up where the anchor saw the same
-        surfaces, and are neutral where it did not.
+        `before` renders the proxy's radiance (3, N) of these samples at θ₀. Fields are looked up where the anchor saw
+        the same surface; elsewhere the radiance stays as it is.
         """
         if self._kept is None or self._kept[0] is not cache:
             with torch.no_grad():
@@ -131,7 +137,7 @@ class Correction:
         return self.pixels(radiance, colors, self._kept[1])
 
     def has_layers_for(self, values: Tensors, scene: SceneData) -> bool:
-        """True if other values differ from θ₀ only in powers and colors of lights, or in values of the film."""
+        """True if `values` differ from θ₀ only in powers and colors of lights, or in the film, so `layered` applies."""
         for key in values.keys() | self.values.keys():
             if not key.startswith("film/") and not is_of_light(key, scene):
                 own = torch.tensor(scene.value(key), dtype=torch.float32)
@@ -141,7 +147,10 @@ class Correction:
         return True
 
     def layered(self, colors: Tensors) -> Tensor | None:
-        """The proxy's image (3, P) at other colors (3,) of the owners, a sum of its parts; None if a light was off, or grew too much."""
+        """The proxy's own image (3, P) as a sum of its parts, at other `colors`: owner -> color (3,) of its light.
+
+        None if a light that is on now was off at θ₀, or has become more than eight times brighter.
+        """
         whole = self.rest
         for owner, part in self.parts.items():
             growth, off = _grown(self.colors[owner], colors[owner])
@@ -152,18 +161,18 @@ class Correction:
 
 
 def _grown(before: Tensor, now: Tensor) -> tuple[Tensor, Tensor]:
-    """Ratio (3,) of a light's color `now` to `before`, 1 where it was off; and (3,) bool, where it was off."""
+    """Ratio (3,) of a light's color `now` to `before`, 1 where it was off; and (3,) bool, True where it was off."""
     off = before < _OFF
     return torch.where(off, 1.0, now / torch.where(off, 1.0, before)), off
 
 
 def _stops(linear: Tensor, dark: float) -> Tensor:
-    """Brightness (N,) of linear colors (3, N), in stops."""
+    """Brightness (N,) of linear colors (3, N), in stops; much darker colors than `dark` get its brightness."""
     return torch.log2(linear.clamp_min(0.0).mean(0) + dark)
 
 
 def _names(hits: Hits, geometry: RayGeometry) -> Tensor:
-    """(N,) int64 number of the object and material that each ray meets; -1 for none."""
+    """(N,) int64 number for the object and material that each ray meets; -1 for none."""
     index = hits.triangle.clamp_min(0)
     return torch.where(hits.hit, geometry.object[index] * 4096 + geometry.material[index], -1)
 
@@ -175,7 +184,7 @@ def _compared(reference: Tensor, whole: Tensor, guide: Tensor) -> tuple[Tensor, 
 
 
 def _shares(picture: CyclesPicture, known_owners: list[str], proxy: Tensor, guide: Tensor) -> Tensor:
-    """Shares (G, 3, P) of Cycles' image that the known owners, and the rest, have; their sum is 1."""
+    """Shares (G, 3, P) of Cycles' image: each known owner's, last the rest's; `proxy` (G, 3, P): the proxy's parts."""
     other = sum((p for o, p in picture.parts.items() if o not in known_owners), picture.rest)
     noisy = torch.stack([*(picture.parts[owner] for owner in known_owners), other])
     noisy = noisy.flatten(1, 2).transpose(1, 2).to(proxy)  # (G, 3, P)
@@ -214,9 +223,9 @@ def look_up(
 ) -> Tensor:
     """Weighted averages (C, N) of an image's fields (C, P) around places (2, N) in pixels.
 
-    Only pixels count whose number in the guide (H, W), see `_names`, is the place's in `names` (N,); the result is `neutral` (C,)
-    where there are none nearby. With `stops`, the brightness of the pixels (P,) and of the places (N,), only pixels about as bright
-    count, so that fields of a highlight stay in the highlight.
+    Only pixels count whose number in `guide` (H, W) is the place's number in `names` (N,), see `_names`. Without such a
+    pixel nearby the result is `neutral` (C,). With `stops`, the brightness of the pixels (P,) and of the places (N,),
+    only pixels about as bright as the place count, so that fields of a highlight stay in the highlight.
     """
     height, width = guide.shape
     # Pixels whose neighbors show something else weigh little.
@@ -244,7 +253,7 @@ def look_up(
 
 
 def is_of_light(key: str, scene: SceneData) -> bool:
-    """True if an image is linear in a parameter of a light or the world, or in the light's color that follows from it."""
+    """True if a parameter only scales the color of a light or of the world: a power, color, temperature or tint."""
     group, _, name = split_key(key)
     if group == "light":
         return name in ("power", "strength", "color", "temperature")
@@ -254,10 +263,10 @@ def is_of_light(key: str, scene: SceneData) -> bool:
 
 @dataclass(frozen=True)
 class CyclesPicture:
-    """A Cycles render, and its parts by the owner of the light."""
+    """A Cycles render, and its parts: the image of each light alone."""
 
     whole: Tensor  # (H, W, 3) linear Rec.709, finite, at least 0
-    parts: Tensors  # "light/NAME" or "world" to the noisy image (H, W, 3) of its light alone
+    parts: Tensors  # owner, "light/NAME" or "world" -> noisy image (H, W, 3) of its light alone
     rest: Tensor  # (H, W, 3) noisy image of the light that is in no part
     denoised: bool = True  # whether the whole is free of noise
 
@@ -268,7 +277,7 @@ class CyclesPicture:
 
     @staticmethod
     def load(path: Path | str, groups: Mapping[str, str]) -> CyclesPicture:
-        """Reads an anchor rendered by Blender; `groups` maps its light groups to owners. Raises VibeError if a layer is missing."""
+        """Reads Blender's EXR file; `groups`: its light group -> owner. Raises VibeError if a layer is missing."""
         import OpenEXR
 
         owners = {f"Combined_{group}": owner for group, owner in groups.items()}

@@ -27,17 +27,17 @@ _CLEAR = 1e-3  # least coverage that colors are divided by
 MIDDLE_GRAY = 0.18
 _BLACK = 1e-6  # replaces 0 as the base of a power, whose gradient at 0 may be infinite
 BLOOM_THRESHOLD, BLOOM_SMOOTHNESS, BLOOM_SIZE = 1.0, 0.1, 0.5
-"""Settings of the Glare node in the add-on's grade: brightness from which pixels glow, its softness, size of the glow."""
+"""Settings of the Glare node in the add-on's grade: least brightness that glows, softness of that limit, glow size."""
 
 
 class Film:
-    """Develops linear images of one size (width, height); raises VibeError if the view transform cannot be read."""
+    """Turns linear images of one size into display images; raises VibeError if the view transform cannot be read."""
 
     def __init__(self, spec: FilmSettings, size: tuple[int, int], device: str = "cpu") -> None:
         chosen = spec.ocio, spec.display, spec.view, spec.look, spec.working_space
         self._view = ViewTransform(*chosen, device, spec.white_balance)
         self._gain = spec.gain
-        self._compositor: Tensor | None = None  # (1, 3, S, S, S), with values in stops, as its axes are
+        self._compositor: Tensor | None = None  # (1, 3, S, S, S) table; axes and values are in stops
         if spec.compositor is not None:
             self._compositor = torch.from_numpy(spec.compositor).permute(3, 0, 1, 2)[None].contiguous().to(device)
         self._falloff = falloff(*size).to(device)
@@ -45,8 +45,8 @@ class Film:
     def develop(self, linear: Tensor, values: Mapping[str, Tensor], alpha: Tensor | None = None) -> Tensor:
         """Display-encoded image (H, W, 3) in [0, 1]; transparent parts are black.
 
-        `linear` (H, W, 3) is scene-linear light before the grade, multiplied by `alpha` (H, W), the coverage; None if the film shows
-        the background. `values` maps parameter keys to components; missing ones are neutral.
+        `linear` (H, W, 3) is scene-linear light before the grade, multiplied by the coverage `alpha` (H, W); None if
+        the film shows the background. `values`: parameter key -> components; parameters that are missing are neutral.
         """
         graded = self.grade(linear, values)
         if alpha is None:
@@ -57,7 +57,7 @@ class Film:
         return self.show(graded / alpha.clamp_min(_CLEAR), values) * alpha
 
     def grade(self, linear: Tensor, values: Mapping[str, Tensor]) -> Tensor:
-        """Applies the renderer's gain, the artist's compositor, and the steps of "Vibe Grade" in its order."""
+        """Applies the renderer's gain, the artist's compositor, and the nodes of the group "Vibe Grade" in order."""
         set_ = _Settings(values, linear)
         c = linear if self._gain == 1.0 else linear * self._gain
         if self._compositor is not None:
@@ -82,7 +82,7 @@ class Film:
         return c
 
     def show(self, graded: Tensor, values: Mapping[str, Tensor]) -> Tensor:
-        """Exposure, white balance, OCIO view, gamma: Blender's color management."""
+        """Image (H, W, 3) in [0, 1] by Blender's color management: exposure, white balance, OCIO view, gamma."""
         set_ = _Settings(values, graded)
         if set_.moves("exposure"):
             graded = graded * torch.exp2(set_["exposure"])
@@ -93,7 +93,7 @@ class Film:
 
 
 class _Settings:
-    """The film's values by name; those that are missing have the schema's neutral values."""
+    """Name of a film parameter -> its value; parameters that are missing have the schema's neutral values."""
 
     def __init__(self, values: Mapping[str, Tensor], like: Tensor) -> None:
         self._values, self._like = values, like
@@ -114,7 +114,7 @@ def power(picture: Picture, exponent: Amount) -> Picture:
 
 
 def lift_gamma_gain(picture: Picture, lift: Channels, midtone: Channels, gain: Channels) -> Picture:
-    """Blender's Color Balance node, type Lift/Gamma/Gain; each color (3,), 1 for no change."""
+    """Blender's Color Balance node, type Lift/Gamma/Gain, whose settings are colors (3,), 1 for no change."""
     scaled = ((picture - 1) * (2 - lift) + 1) * gain
     return scaled.clamp_min(_BLACK) ** (1 / midtone.clamp_min(_BLACK)) * (scaled > 0)
 
@@ -131,7 +131,7 @@ def saturation(picture: Picture, amount: Amount) -> Picture:
 
 
 def turn_hue(picture: Picture, degrees: Amount) -> Picture:
-    """Blender's Hue/Saturation/Value node with only the hue turned; image ≥ 0."""
+    """Blender's Hue/Saturation/Value node with only the hue turned, by `degrees`; the image must be ≥ 0."""
     brightest, darkest = picture.amax(-1, keepdim=True), picture.amin(-1, keepdim=True)
     chroma = brightest - darkest
     r, g, b = ((brightest - picture) / chroma.clamp_min(_BLACK)).unbind(-1)
@@ -153,7 +153,7 @@ def falloff(width: int, height: int) -> Float[Tensor, "{height} {width} 1"]:
 
 
 def bloom(picture: Tensor) -> Tensor:
-    """Light (H, W, 3) that the Glare node would add at strength 1 to a linear image (H, W, 3); even highlights add their own light."""
+    """Light (H, W, 3) that Blender's Glare node adds at strength 1 to a linear image (H, W, 3)."""
     # Colors whose HSV value is lowered by the bloom threshold, with a smooth start.
     value = picture.amax(-1, keepdim=True)
     near = (BLOOM_SMOOTHNESS - (value - BLOOM_THRESHOLD).abs()).clamp_min(0) / BLOOM_SMOOTHNESS
@@ -168,14 +168,14 @@ def bloom(picture: Tensor) -> Tensor:
         wide = functional.interpolate(total, size=finer.shape[-2:], mode="bilinear")
         around = functional.pad(wide, (1, 1, 1, 1), mode="replicate")
         total = finer + functional.avg_pool2d(functional.avg_pool2d(around, 2, 1), 2, 1)  # the filter (1, 2, 1)² / 16
-    return total[0].permute(1, 2, 0) / len(layers)
+    return total[0].permute(1, 2, 0) / len(layers)  # an even highlight thus adds its own light once
 
 
 def _halve(layer: Tensor, calm: bool) -> Tensor:
     """Downsamples a layer (1, 3, H, W) to half its size.
 
-    Half of a pixel is the square in its middle, half the mean of the four overlapping squares around. A square is the mean of
-    four 2×2 blocks. With `calm`, bright blocks weigh less, against fireflies.
+    A pixel is half the square in its middle, and half the mean of the four overlapping squares around it. A square is
+    the mean of four 2×2 blocks. With `calm`, bright blocks weigh less, against fireflies.
     """
     blocks = functional.avg_pool2d(functional.pad(layer, (3, 3, 3, 3), mode="replicate"), 2, 1)
     squares = _corners(blocks)
@@ -189,6 +189,6 @@ def _halve(layer: Tensor, calm: bool) -> Tensor:
 
 
 def _corners(field: Tensor) -> Tensor:
-    """Mean of the corners of every 3×3 square."""
+    """Mean of the four corners of every 3×3 square."""
     wide = field[..., :-2] + field[..., 2:]
     return (wide[..., :-2, :] + wide[..., 2:, :]) / 4

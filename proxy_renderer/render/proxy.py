@@ -33,13 +33,13 @@ _FILM_KEYS = tuple(key for key, p in FAMILIES.items() if p.group == "film")
 
 @dataclass(frozen=True, kw_only=True)
 class LatentImage:
-    """The linear image before grade and view transform, with what is known of its pixels."""
+    """The linear image before grade and view transform, with mask, depth, fog and alpha of its pixels."""
 
     linear: Tensor  # (H, W, 3) scene-linear Rec.709 before grade and view transform
     mask: Tensor  # (H, W) share of each pixel that the subject covers
     depth: Tensor  # (H, W) distance along the rays in meters; infinite where nothing is hit
     transmittance: Tensor  # (H, W) share of light that fog lets through between what is seen and the camera
-    alpha: Tensor | None = None  # (H, W) coverage of a transparent film, a factor of `linear`; else None
+    alpha: Tensor | None = None  # (H, W) coverage of a transparent film, already in `linear`; else None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,10 +53,10 @@ class Proxy:
     """Renders one scene at one size (width, height), any number of times.
 
     Rays are traced on the CPU, and only where camera, lights, mirrors or glass have changed since the last render. `correction`
-    comes from a Cycles render, see `anchor`; None for the plain proxy.
+    comes from a Cycles render, see `anchor`; it is None if renders are not corrected.
 
     `seed` is for the jitter of bounce rays. If `fine`, smooth materials get several samples in every pixel, so that their
-    reflections are antialiased, for images to look at. The values at a camera's first render decide which are smooth.
+    reflections are antialiased, for images to look at. The first render of a camera position decides which are smooth.
     """
 
     def __init__(
@@ -78,7 +78,7 @@ class Proxy:
         self._undeveloped: tuple[LatentImage, Mapping[str, Tensor], Correction | None] | None = None
 
     def render(self, values: Mapping[str, Tensor]) -> Render:
-        """Renders the scene, differentiably in `values`: key to components (C,). Missing ones take the scene's values."""
+        """Renders the scene, differentiably in `values`: key -> components (C,), where missing the scene's."""
         if torch.is_grad_enabled():
             return self.develop(self.expose(values), values)
         # The last latent image is developed again if only values of the film differ.
@@ -93,11 +93,11 @@ class Proxy:
         return self.develop(latent, values)
 
     def traced(self, values: Mapping[str, Tensor]) -> ViewCache:
-        """The traced view at these values; `expose` accepts it, or a copy by `aside`, for values nearby."""
+        """The traced view at these values. `expose` can reuse it, or a copy of it by `aside`, for values nearby."""
         return self._frame(values).cache
 
     def develop(self, latent: LatentImage, values: Mapping[str, Tensor]) -> Render:
-        """Applies grade and view transform to the result of `expose`; of the values, only the film's are used."""
+        """Applies grade and view transform to the result of `expose`; only the film's parameters of `values` count."""
         settings = RenderValues(self.scene, values, self.device)
         film = {key: settings.color(key) for key in _FILM_KEYS if key in values or key in self.scene.instances}
         return Render(display=self.film.develop(latent.linear, film, latent.alpha), **vars(latent))
@@ -105,8 +105,8 @@ class Proxy:
     def expose(self, values: Mapping[str, Tensor], cache: ViewCache | None = None) -> LatentImage:
         """Renders the scene without grade and view transform; values of the film are ignored.
 
-        With a `cache`, only lights that have moved are traced again: mirrors and glasses stay as they were traced, as they do for
-        gradients. If values differ from the anchor's only in powers and colors of lights, the image is `layered`.
+        With a `cache`, only lights that have moved are traced again: mirrors and glasses stay as they were traced, as
+        for gradients. If `values` differ from the anchor's only in powers and colors of lights, see `layered`.
         """
         if (latent := self.layered(values)) is not None:
             return latent
@@ -144,7 +144,7 @@ class Proxy:
             return frame.cache.gbuffer(clear, self.develop(latent, values).display)
 
     def anchor(self, values: Mapping[str, Tensor], picture: CyclesPicture) -> Correction:
-        """Makes Cycles' image of these values correct all further renders; raises VibeError if its size is not the proxy's."""
+        """Corrects all further renders by Cycles' image of these values; raises VibeError if its size is another."""
         if picture.size != self.size:
             raise VibeError(f"Cycles' picture has {picture.size} pixels instead of {self.size}.", "Ask for that size.")
         with torch.no_grad():
@@ -158,7 +158,7 @@ class Proxy:
         return self.correction
 
     def layered(self, values: Mapping[str, Tensor]) -> LatentImage | None:
-        """The latent image as a sum of the anchor's layers; None if values need gradients, or more than light and film differ."""
+        """The latent image as a sum of the anchor's light layers; None if it is not exact, or values need gradients."""
         if self._anchored is None or needs_gradient(*values.values()):
             return None
         correction, anchor = self._anchored
@@ -174,12 +174,12 @@ class Proxy:
         return replace(anchor, linear=linear)
 
     def _frame(self, values: Mapping[str, Tensor], cache: ViewCache | None = None) -> RenderState:
-        """The state of a render at these values; with the traced view of another render if `cache` is given."""
+        """The state of a render at these values; `cache` is a traced view to reuse, None to trace what has changed."""
         settings = RenderValues(self.scene, values, self.device)
         view = view_of(self.scene, settings, self.size)
         shading_inputs = []
         for material in self.scene.materials:
-            # Unless `fine`, which is for large images, they keep terms computed from them for the next render.
+            # Shading inputs cache terms that are computed from them, unless `fine`: the images are then large.
             made = partial(shading_inputs_of, material, settings, None if self.fine else {})
             shading_inputs.append(settings.kept(self._made, f"material/{material.name}", made))
         if cache is None:
@@ -196,7 +196,10 @@ class Proxy:
         return RenderState(view, cache, cache.view_samples(view), lamps, sky, shading_inputs, fog)
 
     def _cache_of(self, view: View, shading_inputs: list[ShadingInputs], lamps: list[LightSource]) -> ViewCache:
-        """The traced view, traced again if the view has changed or a light of a cluster begins to move; if mirrors have, only what they show."""
+        """The traced view: the last one, unless the camera has changed, or a light of a cluster begins to move.
+
+        If mirrors have changed, only what they show is traced again, unless `fine`.
+        """
         metals = torch.stack([surfaces.mirror_weight(p) for p in shading_inputs])
         kept = self._cache
         if kept is not None and kept.signature == view.signature() and kept.clusters.hold(lamps):
@@ -214,7 +217,10 @@ class Proxy:
         return _resolve(frame, self._light(frame)[0])[0][:3]
 
     def _light(self, frame: RenderState) -> tuple[Tensor, Tensor | None]:
-        """Radiance (3, N) of all samples behind fog, (4, N) with coverage if the film is transparent; and the fog's transmittance (N,), or None."""
+        """Radiance (3, N) of all samples through fog, (4, N) with coverage if the film is transparent.
+
+        Also the fog's transmittance (N,); None without fog.
+        """
         direct_lights, table = surfaces.direct_lights_of(frame), surfaces.table_of(frame)
         radiance = surfaces.radiance(frame, direct_lights, table, self._gather(frame, table))
         if not frame.fog.active:
@@ -240,7 +246,7 @@ class Proxy:
 
 
 def _transmittance(frame: RenderState, passing: Tensor | None) -> Tensor:
-    """Transmittance (H, W) of the pixels from that of the samples (N,); 1 without fog."""
+    """The fog's transmittance (H, W) by pixel, from `passing` (N,), that by sample; 1 if `passing` is None."""
     shape = frame.cache.depth.shape
     if passing is None:
         return torch.ones(shape, device=frame.cache.depth.device)
@@ -248,7 +254,7 @@ def _transmittance(frame: RenderState, passing: Tensor | None) -> Tensor:
 
 
 def _resolve(frame: RenderState, radiance: Tensor) -> tuple[Tensor, Tensor]:
-    """Linear image (3 or, with alpha, 4, P), with depth of field, and mask (H, W), from the radiance of all samples."""
+    """Linear image (3, P), (4, P) with alpha, after depth of field, and mask (H, W), from the samples' radiance."""
     view, cache = frame.view, frame.cache
     picture, mask = cache.samples.resolve(radiance), cache.mask
     if view.moving:

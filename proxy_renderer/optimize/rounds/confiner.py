@@ -30,7 +30,7 @@ class RoundStart:
     earlier: Plan = field(default_factory=Plan)  # the plan of the round before; empty for the first
     share: float = 1.0  # share of each component's feasible range by which the round may move from u
     opening: float = 0.0  # share of its width by which a range that words name opens at either end
-    # for a variant, the components (N,) bool that stay near a point (N,), so that variants stay different, and the point
+    # for a variant: (components (N,) bool that stay near its start, the start (N,)), so that variants stay different
     near: tuple[Tensor, Tensor] | None = None
     turned: Mapping[str, PlanEntry] = field(default_factory=dict)  # a variant's own entries of the plan
 
@@ -46,7 +46,7 @@ class Confined:
     upper: Tensor  # (N,) upper corner
     u: Tensor  # (N,) the point, projected into the box
     shots: Sequence[ShotState]  # they draw and judge images, corrected near u
-    here: RoundStart  # what the round was planned from
+    here: RoundStart  # the start that the round was planned from
 
 
 @dataclass
@@ -60,14 +60,17 @@ class Confiner:
     replan: Callable[[Mapping[str, Instance], Plan], Plan]  # may change the advisor's plan, see `Method.plan`
 
     def __post_init__(self) -> None:
-        self._widest: dict[str, float] = {}  # key of a light's size -> the largest that fits in all shots
+        self._widest: dict[str, float] = {}  # key of a light's size -> the largest size that fits in all shots
         for shot in self.shots:
             for own, size in light_sizes(shot.scene, shot.proxy.geometry).items():
                 key = shot.names[own]
                 self._widest[key] = min(self._widest.get(key, size), size)
 
     def advise(self, shots: Sequence[ShotState], u: Tensor, earlier: Plan) -> Advice:
-        """The advice for the first shot at u (N,). Its plan also has entries for parameters that only other shots have."""
+        """The advice for the first shot at u (N,); its plan has entries for parameters of other shots, too.
+
+        `earlier` is the plan of the round before, empty in the first, see `carry`.
+        """
         advice = shots[0].advised(self.advisor, u, self.described)
         entries = {shots[0].names[own]: entry for own, entry in advice.plan.items()}
         for shot in shots[1:]:
@@ -81,7 +84,7 @@ class Confiner:
     def confined(
         self, advice: Advice, u: Tensor, here: RoundStart, shots: Sequence[ShotState], claims: Sequence[Claim]
     ) -> Confined:
-        """The round of an advice: its plan, the ranges, their box, and u (N,) projected into the box."""
+        """The round planned by `advice`: plan, ranges, the box of the ranges, and u (N,) projected into the box."""
         vector, plan = self.vector, Plan({**advice.plan, **here.turned}, advice.plan.notes)
         ranges = feasible_ranges(plan, vector.instances, vector.values(u))
         if here.opening:
@@ -107,7 +110,7 @@ class Confiner:
 
 
 def carry(plan: Plan, earlier: Plan) -> Plan:
-    """The plan, in which values that only the earlier round let move keep the earlier range and are not optimized further."""
+    """The plan, with the earlier entry, no longer optimized, for parameters that only the `earlier` plan let move."""
     gone = {k: e for k, e in earlier.items() if e.prior < 1.0 and plan[k].prior == 1.0}
     held = {key: replace(entry, priority=None) for key, entry in gone.items()}
     return Plan({**plan, **held}, plan.notes)

@@ -31,9 +31,9 @@ _BETTER = 0.01  # least gain in correlation over the artist's direction
 def with_key_turned(
     scene: SceneData, vector: ParameterVector, u: Tensor, lower: Tensor, upper: Tensor, goal: Tensor
 ) -> Tensor:
-    """The point u (N,) with the key light turned, in the box, to its direction in an sRGB image (H, W, 3).
+    """The point u (N,) with the key light turned, in the box, to its direction in the sRGB image `goal` (H, W, 3).
 
-    u itself if no direction is better, or if the scene has not exactly one key light that may turn.
+    u itself if no direction is better, or unless the scene has exactly one key light that may turn.
     """
     turning = [
         key
@@ -62,7 +62,7 @@ def with_key_turned(
 
 
 class _Likeness:
-    """Compares an image (H, W, 3) with the scene at points that differ from u (N,) in the direction of one light."""
+    """Compares the image `goal` (H, W, 3) with the scene at points that differ from u (N,) in one light's direction."""
 
     def __init__(self, scene: SceneData, vector: ParameterVector, light: str, u: Tensor, goal: Tensor) -> None:
         self._proxy, self._vector = Proxy(scene, picture_size(scene.resolution, _SIZE)), vector
@@ -74,7 +74,7 @@ class _Likeness:
 
     @torch.no_grad()
     def __call__(self, u: Tensor) -> float:
-        """The greatest correlation of lightness with the image, over strengths of the key and exposures."""
+        """The greatest correlation of lightness between `goal` and images of u (N,), over strengths and exposures."""
         key = self._proxy.render(self._vector.decode(u)).linear - self._rest
         tried = itertools.product(_STRENGTHS, _EXPOSURES)
         lights = [(exposure * (strength * key + self._rest)).clamp_min(0.0) for strength, exposure in tried]

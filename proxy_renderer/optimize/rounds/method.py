@@ -29,18 +29,18 @@ class Method:
     """The product's method: least squares on the words' claims, over the parameters that serve the claims most."""
 
     weights = Weights()  # of the terms of the loss
-    every_word = False  # whether the encoder is asked for words that a measure covers, too
+    every_word = False  # whether the encoder also guides on words that have a measure
 
     def plan(self, instances: Mapping[str, Instance], plan: Plan) -> Plan:
-        """The plan of a round (lines 3 to 5), made of the advisor's plan; instances are the scene's parameters by key."""
+        """The plan of a round (lines 3 to 5), made of the advisor's `plan`; `instances`: key -> scene's parameter."""
         return plan
 
     def claims(self, claims: tuple[Claim, ...]) -> tuple[Claim, ...]:
-        """The claims that pictures are measured by."""
+        """The claims that images are measured by, made of the `claims` of the words and the reference image."""
         return claims
 
     def guidance(self, encoder: Encoder, advice: Advice, start: Render, every_word: bool = False) -> Guidance:
-        """Guidance by the encoder on words that no measure covers, or on `every_word`, calibrated on the artist's image `start`."""
+        """Guidance on words without a measure, or on `every_word`, calibrated on the artist's image `start`."""
         prompts = advice.prompts if every_word or self.every_word else advice.unmeasured
         if prompts == NO_PROMPTS:  # claims cover all words
             return NoGuidance()
@@ -49,7 +49,7 @@ class Method:
     def select(
         self, now: Confined, vector: ParameterVector, shots: Sequence[ShotState], u: Tensor, options: Options
     ) -> Selection:
-        """S_K (line 6), chosen at u (N,), and the objective that is minimized over it."""
+        """S_K, the parameters to optimize (line 6), chosen at u (N,), and the objective that is minimized over S_K."""
         return select(now, vector, shots, u, options, self.weights)
 
     def descend(

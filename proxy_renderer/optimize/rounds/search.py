@@ -32,8 +32,8 @@ from .method import Method
 from .selection import Selection
 
 _STRIDE, _FURTHER_STRIDE = 0.05, 0.25
-"""Share of a value's whole range. If the projection moves no value by more, no new anchor is rendered. The second is for a further
-sentence, which begins near its result."""
+"""Share of a value's whole range: if the projection moves no value by more, no new anchor is rendered. The second is
+for a further sentence, whose search begins near its result."""
 
 
 class Missed(NamedTuple):
@@ -44,7 +44,7 @@ class Missed(NamedTuple):
 
 
 class Search:
-    """One vibe. The first round sets its claims and the artist's images; each round's advice sets the guidance.
+    """One vibe. Its claims and the images of the artist's values come from the first round, guidance from each advice.
 
     The default advisor is the offline planner, and the default method is the product's.
     """
@@ -96,7 +96,7 @@ class Search:
         self.looks = Looks(self.shots[0], described) if alone else None  # looks before the end
 
     def show_plan(self) -> None:
-        """Shows what the words alone give, before the first anchor. The plan is always the offline planner's."""
+        """Shows the observer the look of the words alone, before the first anchor, by the offline planner's plan."""
         if self.looks is None:
             return
         try:
@@ -108,7 +108,7 @@ class Search:
         self.observer.look(self.looks.drawn(u, self._stage.claims(advice.goals)))
 
     def show(self, shots: Sequence[ShotState], u: Tensor) -> None:
-        """Shows the best look so far, at u (N,)."""
+        """Shows the observer the best look so far, at u (N,)."""
         if self.looks:
             self.observer.look(self.looks.drawn(u, self.claims, shots[0]))
 
@@ -136,7 +136,7 @@ class Search:
         return now
 
     def placed(self, now: Confined) -> Confined:
-        """The round at the point where its steps begin, see `with_key_turned`, with the proxies corrected there."""
+        """The round at the point where its steps begin, see `with_key_turned`, where its proxies are corrected."""
         u, here = now.u, now.here
         if not here.earlier and self.reference and self.reference.same:
             u = with_key_turned(self.shots[0].scene, self.vector, u, now.lower, now.upper, self.reference.display)
@@ -145,7 +145,7 @@ class Search:
         return replace(now, u=u, shots=shots)
 
     def select(self, now: Confined, u: Tensor, shots: Sequence[ShotState] = ()) -> Selection:
-        """S_K (line 6), chosen at u (N,), and the objective over it, which `shots` judge, or by default all of the round."""
+        """S_K, the parameters to optimize (line 6), chosen at u (N,), and the objective over `shots`, all if empty."""
         return self.method.select(now, self.vector, shots or now.shots, u, self.options)
 
     def descend(self, now: Confined, chosen: Selection) -> Descent:
@@ -154,7 +154,7 @@ class Search:
         return self.method.descend(now, chosen, self.options.steps, seed, follow)
 
     def seen(self, shots: Sequence[ShotState], u: Tensor, number: int) -> tuple[list[ShotState], Missed]:
-        """The shots of round `number`, corrected by Cycles images at u (N,), and the distance of these images from the claims."""
+        """The shots, corrected by Cycles images at u (N,) in round `number`, and how far the images miss the claims."""
         shots = [shot.anchored(u, number).viewed(u) for shot in shots]
         residuals = [r for shot in shots for r in shot.missed(u)]
         distance = float(claims_loss(residuals)) if residuals else 0.0

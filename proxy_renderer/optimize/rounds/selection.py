@@ -25,7 +25,7 @@ from ..vector import ParameterVector
 from .confiner import Confined
 
 _HALF = 1.5  # added to a parameter's priority number for each halving of its gain
-_MISSED = 3.0  # more of that per unit of `RoundStart.opening`: while claims stay missed, gain counts more than words
+_MISSED = 3.0  # added to `_HALF`, times `RoundStart.opening`: while claims stay missed, gain counts more than words
 _FAINTEST = 2.0**-20  # least share of the largest gain that is counted
 _WORTH = 1.0  # noticeable steps that supporting parameters have to gain to be candidates at all
 ALIKE = 0.9  # share of a parameter's effect on the claims, reproduced by another, above which both are alike
@@ -42,7 +42,7 @@ class Selection:
     model: LinearModel | None = None  # at the point where S_K was chosen, over its components; None if it is not known
 
     def movable(self, now: Confined) -> Tensor:
-        """(N,) bool, the components of S_K whose range in the round has a width."""
+        """(N,) bool, True for the components of S_K whose range in the round has a width."""
         return self.objective.vector.mark(self.keys) & (now.upper > now.lower)
 
     def with_reasons(self, plan: Plan) -> Plan:
@@ -55,7 +55,7 @@ class Selection:
 def select(
     now: Confined, vector: ParameterVector, shots: Sequence[ShotState], u: Tensor, options: Options, weights: Weights
 ) -> Selection:
-    """S_K (equation 7), chosen at u (N,): at most `top_k` parameters; raises VibeError if words name none that may change."""
+    """S_K (equation 7), at most `top_k` parameters, chosen at u (N,); VibeError if words name none that may change."""
     plan, lower, upper = now.plan, now.lower, now.upper
     movable = relevant(plan, vector, upper > lower)
     # A moved camera means tracing all rays again, so it only moves if words name it.
@@ -83,7 +83,7 @@ def select(
 def relevant(plan: Plan, vector: ParameterVector, wide: Tensor) -> set[str]:
     """The keys that a round may change; `wide` (N,) bool marks the components whose range has a width.
 
-    If words name none of these keys, the result is empty if the words link lights, else VibeError is raised.
+    If words name none of these keys but link lights, the result is empty; if they do not, VibeError is raised.
     """
     found = {k for k, e in plan.items() if e.priority is not None and wide[vector.slices[k]].any()}
     if all(plan[key].prior > 0.0 and not plan[key].any_hue for key in found):
@@ -98,7 +98,7 @@ def relevant(plan: Plan, vector: ParameterVector, wide: Tensor) -> set[str]:
 def needed(
     plan: Plan, model: LinearModel, parts: Mapping[str, slice], low: Tensor, high: Tensor
 ) -> Mapping[str, slice]:
-    """The parts that words name, or all parts if supporting parameters improve the predicted loss by more than `_WORTH`."""
+    """The parts (key -> slice) that words name, or all parts if the others lower the predicted loss enough."""
     named = {key: part for key, part in parts.items() if plan[key].is_named}
     free = torch.zeros(len(low), dtype=torch.bool)
     for part in named.values():
@@ -111,11 +111,11 @@ def needed(
 def choose(
     plan: Plan, k: int, model: LinearModel, parts: Mapping[str, slice], low: Tensor, high: Tensor, half: float = _HALF
 ) -> tuple[list[str], dict[str, str]]:
-    """The K most important parameters, and a mapping from held ones to the chosen one with the same effect.
+    """Keys of the K most important parameters, and a mapping: key of a held one -> the chosen one with the same effect.
 
-    Each halving of what a parameter can still lower the loss next to those chosen before adds `half` to its priority number, and the
-    smallest number comes first. So a parameter at the right end of its range, or without effect on the loss, makes room for one that
-    helps. A color counts as one parameter.
+    The gain of a parameter is how far it can still lower the loss next to those chosen before. The smallest priority
+    number comes first, to which each halving of the gain adds `half`. So a parameter at the right end of its range, or
+    without effect on the loss, makes room for one that helps. A color counts as one parameter.
     """
     move, free = torch.zeros_like(low), torch.zeros(len(low), dtype=torch.bool)
     left = dict(parts)

@@ -22,22 +22,23 @@ from .search import Search
 
 VARIED = "left open by the words: varied, so that the variants differ"
 _PER_VARIANT = 3  # starts that are tried for each variant: some have a high loss, some look alike
-_ROAM: dict[str, tuple[float, float, bool]] = {  # how far down and up, and whether by factors
+_ROAM: dict[str, tuple[float, float, bool]] = {  # least and largest change; True if both are factors
     "light/azimuth": (-75.0, 75.0, False),
     "light/elevation": (-15.0, 20.0, False),
     "light/size": (0.3, 3.0, True),
     "light/angle": (0.3, 3.0, True),
     "world/rotation": (-75.0, 75.0, False),
 }
-"""Families that may differ between variants if the words leave them open. Lights turn together, by the same share."""
-_OF_RIGS = 0.45  # share of those degrees by which a rig's lights may turn, so that they still fit their word
+"""Parameters that may differ between variants if the words leave them open. Lights turn together, by the same share."""
+_OF_RIGS = 0.45  # share of these changes for a rig's lights, so that they still fit their word
 _CELLS = 16  # rows and columns of the grid whose cells are compared
 
 
 def find_starts(search: Search) -> list[RoundStart]:
-    """One start: the artist's scene, or with the option `starts` the drawn point of least loss; or one start for each variant.
+    """The starts of the search: one, or one for each variant.
 
-    The first variant starts at the plan's own point, others at those of several drawn points that look most different after a few steps.
+    One start is the artist's scene, or with the option `starts` the best of so many random points. The first of several
+    variants starts at the plan's own point, the others at random points whose images differ most after a few steps.
     """
     home, options = search.vector.encode({}), search.options
     number = max(options.starts, _PER_VARIANT * options.variants if search.several else 1)
@@ -70,7 +71,7 @@ def find_starts(search: Search) -> list[RoundStart]:
 
 
 def _coarse_pass(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, float, Tensor]:
-    """The end (N,) of a few steps with few crops for the encoder, its loss with all crops, and the first shot's image (H, W, 3)."""
+    """The end (N,) of a few steps with few crops, its loss with all crops, and the first shot's image (H, W, 3)."""
     few = []
     for shot in now.shots:
         guidance = copy(shot.guidance)
@@ -93,10 +94,10 @@ def _coarse_pass(search: Search, point: Tensor, now: Confined) -> tuple[Tensor, 
 def draw_starts(
     vector: ParameterVector, plan: Plan, u: Tensor, box: tuple[Tensor, Tensor], number: int, seed: int
 ) -> list[Tensor]:
-    """Points (N,) of the feasible box, the first of them u itself, with parameters that the plan optimizes drawn from their ranges.
+    """The point u (N,), and random points (N,) of the box, which differ from u in parameters that the plan optimizes.
 
-    All components of a color are at the same place in their ranges, because other combinations are other hues. Parameters of one name
-    that `roam` has opened share a place, too.
+    All components of a color are at the same place in their ranges, because other combinations are other hues.
+    Parameters of one name that `roam` has opened share a place, too.
     """
     generator = torch.Generator().manual_seed(seed)
     keys = [key for key, entry in plan.items() if entry.priority is not None]
@@ -114,7 +115,7 @@ def draw_starts(
 
 
 def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
-    """The plan, with ranges to draw lighting parameters from if the words leave them open; with a rig only the rig's own."""
+    """The plan, with ranges for lighting parameters that the words leave open; if there is a rig, only for its own."""
     roaming = Plan(dict(plan), plan.notes)
     of_rig = any(entry.varies for entry in plan.values())
     for key, entry in plan.items():
@@ -132,7 +133,7 @@ def roam(instances: Mapping[str, Instance], plan: Plan) -> Plan:
 
 
 def turned(plan: Plan, vector: ParameterVector, u: Tensor) -> dict[str, PlanEntry]:
-    """Key -> entry of a rig's lights for a variant that starts at u (N,): ranges as wide as the plan's, centered on u."""
+    """Key -> entry for a rig's lights in a variant that starts at u (N,): the range has the plan's width around u."""
     values, found = vector.values(u), {}
     for key, entry in plan.items():
         if entry.varies:
@@ -144,7 +145,7 @@ def turned(plan: Plan, vector: ParameterVector, u: Tensor) -> dict[str, PlanEntr
 
 
 def with_reasons(plan: Plan, vector: ParameterVector, u: Tensor) -> Plan:
-    """The plan, with the reason `VARIED` for parameters without words that differ at u (N,) from the artist's values."""
+    """The plan, with the reason `VARIED` for parameters that no word names and whose values at u (N,) have changed."""
     values, instances = vector.values(u), vector.instances
     roaming = (key for key, entry in plan.items() if instances[key].parameter.family in _ROAM and entry.prior == 1.0)
     varied = {key: replace(plan[key], reason=VARIED) for key in roaming if values[key] != instances[key].value}
@@ -159,7 +160,7 @@ def distance(a: Tensor, b: Tensor) -> float:
 
 
 def most_diverse(pictures: list[Tensor], losses: list[float], number: int) -> list[int]:
-    """Indices of up to `number` images (H, W, 3) that differ most: the first image, and others whose losses are in the better half."""
+    """Indices of up to `number` images (H, W, 3) that differ most: the first, and others of the half of least loss."""
     ranked = sorted(range(len(losses)), key=losses.__getitem__)
     good = ranked[: max(-(-len(ranked) // 2), number)]
     chosen = [0]

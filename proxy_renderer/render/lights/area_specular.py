@@ -21,7 +21,7 @@ from ..geometry.vectors import PointSet, dot, tangents, unit
 from ..material.albedo import basis
 from .light_source import DirectIrradiance, LightSource, Vectors
 
-_LEAST_ALPHA = 2e-3
+_LEAST_ALPHA = 2e-3  # least alpha, which is the roughness squared
 _PAIRS = ((0, 0), (1, 1), (0, 1))
 _LEAST_UP = 0.08  # least cosine between half vector and normal: at 0, slopes are infinite
 
@@ -40,11 +40,11 @@ class AreaSpecular(PointSet):
     _lobes: Recent = field(default_factory=Recent, init=False, repr=False, compare=False)
 
     def times(self, visible: Float[Tensor, " n"]) -> AreaSpecular:
-        """A copy with its strength multiplied by visible shares (N,)."""
+        """A copy whose strength is multiplied by `visible` (N,), the share of the light that each point sees."""
         return replace(self, strength=self.strength * visible)
 
     def lobe(self, roughness: Float[Tensor, "*varying"]) -> Float[Tensor, " n"]:
-        """Reflected radiance (N,) per unit of color, without Fresnel, for a roughness () or (N,); kept until the roughness changes."""
+        """Reflected radiance (N,) per unit of color, without Fresnel, for a roughness () or (N,); cached."""
         if needs_gradient(roughness, self.strength, self.outline):
             return self._lobe(roughness)
         key = id(roughness) if roughness.dim() else float(roughness)
@@ -60,9 +60,9 @@ class AreaSpecular(PointSet):
 def area_specular(
     lamp: LightSource, direct: DirectIrradiance, points: Vectors, normal: Vectors, view: Vectors
 ) -> AreaSpecular:
-    """The unshadowed highlight of a light at points (3, N); `view` (3, N) has the directions from the points to the eye.
+    """The unshadowed highlight of a light at points (3, N); `view` (3, N) are unit directions from there to the eye.
 
-    Half-vector terms are those of the light's point, within or on its outline, that is nearest to the mirror direction.
+    Terms of the half vector are taken for the point of the light that is nearest to the mirror direction.
     """
     out = dot(normal, view).clamp_min(2e-2)
     sides = lamp.half_sides()
@@ -82,10 +82,10 @@ def area_specular(
 def _round_place(direct: DirectIrradiance, normal: Tensor, view: Tensor, out: Tensor) -> tuple[Tensor, Tensor, Tensor]:
     """A round light in slope space: outline (5, N), squared slope (N,) of its nearest point, and h.v / h.n (N,) there.
 
-    Nearest means to the mirror direction. In slope space the light is an ellipse, which is longer across the plane of reflection
-    the flatter the surface is seen. The rows of the outline are: the squared slope of its middle; its squared radius from there
-    towards the mirror direction; the squared slope of its nearest point; its squared area relative to a disc of that radius; the
-    sum of its squared half axes.
+    Nearest means nearest to the mirror direction. In slope space the light is an ellipse. The flatter the surface is
+    seen, the longer the ellipse is across the plane of reflection. The rows of the outline are: the squared slope of
+    the ellipse's middle; its squared radius from the middle towards the mirror direction; the squared slope of its
+    nearest point; its squared area relative to a disc of that radius; the sum of its squared half axes.
     """
     half = unit(direct.toward + view, 1e-4)
     up = dot(half, normal).clamp_min(_LEAST_UP)
@@ -143,7 +143,7 @@ def _box_place(
 
 
 def _ellipse(outline: Tensor, alpha2: Tensor) -> Tensor:
-    """Integral of the lobe over an ellipse: exact around the mirror direction and far from it.
+    """Integral (N,) of the lobe over an ellipse, `outline` (5, N): exact around the mirror direction and far from it.
 
     In between, it is the integral over a disc that reaches as far towards the mirror direction, times the share of the lobe's
     width that the ellipse fills.
@@ -167,7 +167,7 @@ def _disc(d: Tensor, a: Tensor) -> Tensor:
 
 
 def _box(outline: Tensor, alpha2: Tensor) -> Tensor:
-    """Integral of the lobe over a rectangle: the view factor of a parallel rectangle."""
+    """Integral (N,) of the lobe over a rectangle, `outline` (4, N): the view factor of a parallel rectangle."""
     left, right, bottom, top = (outline * alpha2.rsqrt()).unbind(0)
     whole = _corner(right, top) - _corner(left, top) - _corner(right, bottom) + _corner(left, bottom)
     # Far from the lobe the corners' terms cancel: there, area times density at the middle is used.

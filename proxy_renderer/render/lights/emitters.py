@@ -26,8 +26,8 @@ from .shadows import k_means
 
 _LEAST = 0.25  # luminance from which a surface becomes a light; darker ones are no brighter than lit surfaces
 _POINTS = 4096
-_COUNTS, _MORE = tuple(range(1, 13)), (16, 24, 32, 48, 64)  # of clusters: more for scattered fairy lights
-_FINE, _COARSE = 1 / 30, 1 / 10  # radii over viewing distance: smaller needs no cut, larger is no point
+_COUNTS, _MORE = tuple(range(1, 13)), (16, 24, 32, 48, 64)  # numbers of clusters to try: more for fairy lights
+_FINE, _COARSE = 1 / 30, 1 / 10  # cluster's radius over viewing distance: smaller needs no cut; larger is no point
 _ROUND = 0.6  # least ratio of a round cluster's smallest variance to its largest
 
 
@@ -40,19 +40,20 @@ class EmitterLight(PointLight):
     clipped: ClassVar[bool] = True
 
     def directivity(self, toward: Tensor, radius: Tensor | None = None) -> Tensor:
-        """Intensity (N,), 1 on average, towards points from which unit vectors (3, N) lead to the light."""
+        """Intensity (N,), 1 on average, in the directions -`toward`; `toward` (3, N) are unit vectors to the light."""
         way = -toward
         even = dot(way, self.form @ way).clamp_min(1e-12).sqrt()
         return (even + self.lean @ way).clamp_min(0.0)
 
 
-EmitterCluster = tuple[EmitterLight, float]  # light of color 1; its power if the surface has radiance 1
+EmitterCluster = tuple[EmitterLight, float]  # light of color 1, and its power if the surface has radiance 1
 
 
 class Emitters:
-    """Lights that stand for small bright surfaces, and stay when the emission fades; `near` is a typical distance of what is seen, meters.
+    """Point lights that stand for small glowing surfaces, and stay when the emission fades.
 
-    `clusters` has those of every material, by index, that glows or has glowed; none where no lights stand for its surface.
+    `near` is a typical viewing distance in meters. `clusters`: index of each material that glows or has glowed -> its
+    lights; empty if its surface is too large for point lights.
     """
 
     def __init__(self, geometry: RayGeometry, near: float) -> None:
@@ -60,7 +61,7 @@ class Emitters:
         self.clusters: dict[int, list[EmitterCluster]] = {}
 
     def notice(self, shading_inputs: Sequence[ShadingInputs]) -> bool:
-        """Makes lights of materials that glow for the first time; returns whether there are new ones."""
+        """Makes lights for materials that glow for the first time; returns True if there are such materials."""
         others = [m for m in range(len(shading_inputs)) if m not in self.clusters]
         new = {m for m in others if float(luminance(shading_inputs[m].emission.detach())) > _LEAST}
         self._geometry.set_apart(new)
@@ -70,7 +71,7 @@ class Emitters:
         return bool(new)
 
     def lamps(self, shading_inputs: Sequence[ShadingInputs]) -> list[EmitterLight]:
-        """All clusters as lights, differentiable in emission."""
+        """The lights of all clusters, in the color of their material's emission, differentiable in it."""
         return [
             replace(lamp, color=shading_inputs[material].emission * power)
             for material, clusters in self.clusters.items()
@@ -79,7 +80,7 @@ class Emitters:
 
 
 def clusters_of(geometry: RayGeometry, material: int, near: float) -> list[EmitterCluster]:
-    """Cuts a material's surface into clusters; no clusters if it is too large for points at a viewing distance `near` in meters."""
+    """Cuts a material's surface into clusters; empty if it is too large for points at a distance of `near` meters."""
     triangles = ((geometry.material == material) & geometry.visible_to("diffuse")).nonzero()[:, 0]
     if not len(triangles):
         return []
@@ -118,7 +119,7 @@ def _points(geometry: RayGeometry, triangles: Tensor) -> tuple[Tensor, Tensor, f
 
 
 def _open(geometry: RayGeometry, material: int, place: Tensor, side: Tensor) -> Tensor:
-    """(P,) 1 where a random ray that leaves a point to the side of the unit vector `side` (3, P) misses the same material, else 0."""
+    """(P,) 1 if a random ray from `place` towards the hemisphere of `side`, both (3, P), misses the material, or 0."""
     uv = torch.rand((2, place.shape[1]), generator=torch.Generator().manual_seed(4)).to(place.device)
     hits = geometry.nearest(place + side * (1e-5 * geometry.size), cosine_directions(side, uv), "diffuse")
     own = hits.hit & (geometry.material[hits.triangle.clamp_min(0)] == material)
@@ -131,7 +132,7 @@ def _radius(place: Tensor) -> Tensor:
 
 
 def _blob(place: Tensor, sides: Tensor) -> Tensor:
-    """True if points (3, n) are a round and closed surface, like a sphere from any distance; `sides` (n,) of it are open at each point."""
+    """True if points (3, n) form a round, closed surface, as a sphere; `sides` (n,) counts each point's open sides."""
     if place.shape[1] < 4:
         return torch.tensor(False, device=place.device)
     spread = torch.linalg.eigvalsh(torch.cov(place))
@@ -141,7 +142,10 @@ def _blob(place: Tensor, sides: Tensor) -> Tensor:
 def _cluster(
     place: Tensor, normal: Tensor, outside: Tensor, inside: Tensor, area: float, material: int, number: int
 ) -> EmitterCluster:
-    """A cluster from n points and their normals (3, n), openness (n,) of their two sides (1 open, 0 not), and the area of each, m²."""
+    """The cluster (light, power) of n points: `place` and `normal` are (3, n), `area` is the area in m² of each point.
+
+    `outside` and `inside` (n,) are 1 where that side of a point is open, else 0; `number` makes the light's name.
+    """
     even, odd = (outside + inside) / 2 * area, (outside - inside) / 2 * area
     whole = float(even.sum())
     form = (normal * even) @ normal.T / max(whole, 1e-20)

@@ -47,10 +47,10 @@ _MOST_OF = 0.8  # share of the light around a peak that a sun's radius contains
 
 @dataclass(frozen=True)
 class EnvironmentSun:
-    """A bright part of an image, as a disc."""
+    """A bright part of the world's image, approximated by a disc."""
 
     toward: Tensor  # (3,) unit vector to it, before the image is turned
-    color: Tensor  # (3,) irradiance on a surface that faces it, without that from its surroundings' level
+    color: Tensor  # (3,) irradiance on a surface that faces it, of its light above the surroundings
     angle: float  # its diameter in radians, as a disc
 
     @property
@@ -60,7 +60,7 @@ class EnvironmentSun:
 
 
 def split_suns(picture: Tensor) -> tuple[Tensor, Tensor, list[EnvironmentSun]]:
-    """Splits an equirectangular image (1, 3, H, W): the image without narrow suns, without any sun, and the suns, the wide ones last."""
+    """An equirectangular image (1, 3, H, W) without narrow suns, that without any sun, and the suns, wide ones last."""
     height = min(_SEARCH_HEIGHT, picture.shape[2])
     small = interpolate(picture, (height, 2 * height), mode="area")[0].flatten(1)
     toward, solid = texels(height, 2 * height, picture.device)
@@ -95,7 +95,7 @@ def split_suns(picture: Tensor) -> tuple[Tensor, Tensor, list[EnvironmentSun]]:
 
 
 def _middle(light: Tensor, toward: Tensor, solid: Tensor) -> Tensor:
-    """Direction (3,) to the middle of the bright region around the brightest of T texels."""
+    """Direction (3,) to the middle of the bright region around the brightest of T texels, by luminance `light` (T,)."""
     height = round(math.sqrt(len(light) / 2))
     brightest = int(light.argmax())
     bright = light >= light[brightest] * _REGION
@@ -128,7 +128,7 @@ def _extent(small: Tensor, toward: Tensor, solid: Tensor, peak: Tensor, weights:
 
 
 def _excess(picture: Tensor, toward: Tensor, peak: Tensor, radius: float, level: Tensor) -> Tensor:
-    """Light (3, T) of texels above a level (3,), around a peak; 0 for texels outside the radius, which is given as a cosine."""
+    """Light (3, T) by which texels exceed a `level` (3,); 0 for texels outside `radius`, a cosine, around `peak`."""
     near = (peak @ toward > radius).to(picture.dtype)
     return (picture - level[:, None]).clamp_min(0.0) * near
 
@@ -139,9 +139,9 @@ class Environment:
     def __init__(self, scene: SceneData, device: torch.device) -> None:
         image, seen = scene.world.image, scene.world.backdrop
         self.hidden, self.horizon = scene.world.hidden, scene.world.horizon
-        self.suns: list[EnvironmentSun] = []  # the bright parts of the image, which `soft` and `harmonics` are without
+        self.suns: list[EnvironmentSun] = []  # bright parts of the image, not in `soft` and `harmonics`
         self.whole: Tensor | None = None  # None for a plain color
-        self.backdrop = None if seen is None else _padded(_sharp(seen, device))  # what the camera sees, likewise
+        self.backdrop = None if seen is None else _padded(_sharp(seen, device))  # seen by the camera; None for a color
         self.sharp = self.blurred = self.soft = torch.zeros(0, device=device)
         if scene.world.kind != "environment" or image is None:
             # (9, 3) spherical harmonics of the radiance: a plain color has only the first.
@@ -167,8 +167,8 @@ class Sky:
     environment: Environment  # its constant part
     color: Tensor  # (3,) color or tint, times strength
     turn: Tensor  # () rotation of the image around the vertical, radians
-    backdrop_color: Tensor  # (3,) the same as `color` for what the camera sees
-    backdrop_turn: Tensor  # () likewise
+    backdrop_color: Tensor  # (3,) `color` of what the camera sees
+    backdrop_turn: Tensor  # () `turn` of what the camera sees
     horizon: Tensor | None = None  # (3,) tint at the horizon, which fades towards the top; None for none
 
     @property
@@ -193,7 +193,10 @@ class Sky:
         return self._radiance(self.environment.soft, toward, self.turn)
 
     def reflected(self, mirrored: Tensor, normal: Tensor, view: Tensor, roughness: float) -> Tensor:
-        """Uncolored radiance (3, N) of the world that a rough surface reflects, by unit vectors (3, N) and the albedo basis `view` (7, N)."""
+        """Uncolored radiance (3, N) of the world that a surface of one `roughness` reflects.
+
+        `mirrored` and `normal` are unit vectors (3, N), `view` (7, N) is `albedo.basis` of the cosine to the viewer.
+        """
         if self.plain:
             return torch.ones_like(mirrored)
         leans, widths = torch.einsum("pkb,bn->pkn", taps(roughness).to(view), view)
@@ -217,7 +220,7 @@ class Sky:
         return self._radiance(self.environment.backdrop, toward, self.backdrop_turn)
 
     def backdrop_tint(self, height: Tensor) -> Tensor:
-        """Color (3, N) that multiplies `backdrop` at heights (N,) in the image, 0 at the bottom and 1 at the top."""
+        """Color (3, N), or (3, 1) if even, that multiplies `backdrop` at heights (N,) in the image, 0 bottom, 1 top."""
         if self.horizon is None:
             return self.backdrop_color[:, None]
         share = ((height - self.environment.horizon) / (1.0 - self.environment.horizon)).clamp(0.0, 1.0)
@@ -294,9 +297,9 @@ def sky_of(environment: Environment, settings: RenderValues) -> Sky:
 
 
 def harmonics(toward: Tensor) -> Tensor:
-    """Real spherical harmonics (9, N) of unit directions (3, N): 1, y, z, x, xy, yz, 3z² - 1, xz, x² - y² (Ramamoorthi and Hanrahan 2001)."""
+    """Real spherical harmonics (9, N) of unit directions (3, N) (Ramamoorthi and Hanrahan 2001)."""
     x, y, z = toward.unbind(0)
-    one = torch.full_like(x, 0.282095)
+    one = torch.full_like(x, 0.282095)  # the rows are those of 1, y, z, x, xy, yz, 3z² - 1, xz, x² - y²
     linear = 0.488603 * y, 0.488603 * z, 0.488603 * x
     mixed = 1.092548 * x * y, 1.092548 * y * z, 0.315392 * (3 * z * z - 1)
     return torch.stack((one, *linear, *mixed, 1.092548 * x * z, 0.546274 * (x * x - y * y)))
@@ -360,7 +363,7 @@ def taps(roughness: float) -> Tensor:
 
 
 def _taps(cosine: float, alpha: float, count: int) -> Tensor:
-    """Tilt and roughness (2, K) of the lobes of `taps` for one cosine of the viewer; `alpha` is the squared roughness of the long lobe."""
+    """Tilt and roughness (2, K) of the K lobes of `taps` for one cosine of the viewer; `alpha` is roughness squared."""
     grid = (torch.arange(_TAP_SIDE) + 0.5) / _TAP_SIDE
     uv = torch.stack(torch.meshgrid(grid, grid, indexing="ij")).flatten(1)
     viewer = torch.full_like(uv[0], min(cosine, 0.999))

@@ -59,17 +59,17 @@ class LightSource(ABC):
     axes: Float[Tensor, "3 3"]  # (3, 3) columns x, y, z of the light; it shines along -z
     size: Float[Tensor, ""]  # () radius, width or angle, see `read_size`
     pictured: bool = field(default=False, kw_only=True)  # whether reflections show its image, not a highlight
-    shadowless: int = field(default=-1, kw_only=True)  # material without a shadow in its light; -1 for none
+    shadowless: int = field(default=-1, kw_only=True)  # index of a material that casts no shadow in its light; or -1
     # owner of the parameters that its color depends on: "light/NAME" or "world"; "" for what surfaces emit
     owner: str = field(default="", kw_only=True)
 
     energy_name: ClassVar[str] = "power"  # the parameter of its energy: "power" in watts, "strength" in W/m²
     at_infinity: ClassVar[bool] = False  # whether all its light comes from one direction, with no distance
-    segment_parts: ClassVar[int] = 1  # number of parts that a segment of fog has for its light
+    segment_parts: ClassVar[int] = 1  # number of parts into which its light in a segment of fog is cut
 
     @classmethod
     def of(cls, light: Light, scene: SceneData, values: RenderValues, **more: Any) -> Self:
-        """A scene's light at the values of one render; `more` are fields of its type."""
+        """A scene's light at the values of one render; `more` are further fields of the subclass."""
         key = f"light/{light.name}/"
         azimuth, elevation = values.scalar(key + "azimuth"), values.scalar(key + "elevation")
         color = values.color(key + "color", 1.0) * (values.scalar(key + cls.energy_name, 1.0) * 2.0**light.exposure)
@@ -115,7 +115,7 @@ class LightSource(ABC):
         return None
 
     def lights(self, objects: Int[Tensor, " n"]) -> Bool[Tensor, " n"]:
-        """(N,) bool: surfaces that get its light, by their objects (N,); light linking may leave some out."""
+        """(N,) bool, True for points on objects (N,) that get its light: light linking may leave objects out."""
         return ~torch.isin(objects, objects.new_tensor(self.light.unlit))
 
     def reaches(self, ray: str) -> bool:
@@ -129,7 +129,7 @@ class LightSource(ABC):
 
     @property
     def placement(self) -> dict[str, Tensor]:
-        """Its place, direction and size, which shadows depend on, by field."""
+        """Name of each field that shadows depend on -> its value: position, axes, size."""
         return {"position": self.position, "axes": self.axes, "size": self.size}
 
     @property
@@ -156,7 +156,10 @@ def offsets(position: Tensor, points: Tensor) -> tuple[Tensor, Tensor, Tensor]:
 
 
 def disc_offsets(toward: Tensor, solid_angle: Tensor, uv: Tensor) -> Tensor:
-    """Offsets (3, N) from the middle of a disc to points `uv` (2, N) on it; it faces the lit point at distance 1 and fills a solid angle (N,)."""
+    """Offsets (3, N) from a disc's middle to points on the disc, by `uv` (2, N) in [0, 1).
+
+    The disc faces the lit point from distance 1, in the direction `toward` (3, N), and fills a solid angle (N,).
+    """
     radius, angle = uv[0].sqrt(), 2 * math.pi * uv[1]
     x, y = radius * angle.cos(), radius * angle.sin()
     across, up = tangents(toward)
@@ -186,10 +189,10 @@ def equiangular(
 ) -> SegmentLight:
     """Light from a place (3,) along rays, integrated analytically (equiangular sampling: Kulla and Fajardo 2012).
 
-    The parts of a segment subtend equal angles at the light, and so get equal light. `softness` (), meters, is added to the ray's
-    distance from the light as a root sum of squares: about the effect of averaging over the light's size. A flat light shines
-    opposite to `back` (3,), others to all sides. `intensity` maps unit vectors (3, n) to the light to that (n,) in the opposite
-    directions.
+    The parts of a segment subtend equal angles at the light, and so get equal light. `softness` (), meters, is added to
+    the ray's distance from the light as a root sum of squares: about the effect of averaging over the light's size. A
+    flat light shines opposite to `back` (3,); None for lights that shine to all sides. `intensity` maps unit vectors
+    (3, n) towards the light to the light's intensity (n,) in the opposite directions.
     """
     to_light = position.view(3, 1, 1) - segments.start
     closest = (to_light * segments.toward).sum(0)

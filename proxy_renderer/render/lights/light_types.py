@@ -62,7 +62,7 @@ class PointLight(LightSource):
         return DirectIrradiance(toward, distance, frontal * cosine.clamp_min(0.0), frontal, solid)
 
     def directivity(self, toward: Vectors, radius: Numbers | None = None) -> Numbers:
-        """Intensity (N,) relative to an even light, towards points from which unit vectors (3, N) lead to the light.
+        """Intensity (N,) in the directions -`toward`, relative to an even light; `toward` (3, N) points to the light.
 
         `radius` (N,) is the light's radius over its distance; None for a small light.
         """
@@ -268,7 +268,7 @@ LIGHT_TYPES: dict[str, type[LightSource]] = {
 
 
 def light_sources(scene: SceneData, values: RenderValues, made: Recent | None = None) -> list[LightSource]:
-    """All lights of the scene at the render's values; `made` keeps those whose values stay the same."""
+    """All lights of the scene at the render's values; `made` caches lights whose values stay the same."""
     kept, found = made or Recent(), []
     for number, light in enumerate(scene.lights):  # instances of a light share its name
         make = partial(LIGHT_TYPES[light.type].of, light, scene, values)

@@ -37,11 +37,11 @@ class LightCluster:
     """Lights that share their shadows."""
 
     members: tuple[int, ...]  # indices of the lights; the first, the strongest, stands for all
-    powers: tuple[float, ...]  # what each sends per unit of its color, relative to the first
+    powers: tuple[float, ...]  # irradiance that each sends per unit of its color, relative to the first
 
 
 class LightClusters:
-    """All lights of a view, each in one cluster. `row` maps a light's index to its cluster's, which is its row in indirect light."""
+    """All lights of a view, each in one cluster; `row`: light's index -> its cluster's, the row in indirect light."""
 
     def __init__(self, clusters: Sequence[LightCluster]) -> None:
         self.clusters = tuple(clusters)
@@ -51,7 +51,7 @@ class LightClusters:
         return len(self.clusters)
 
     def hold(self, lamps: Sequence[LightSource]) -> bool:
-        """True if these clusters still fit the lights: there are as many, and none that moves shares a cluster."""
+        """True if these clusters fit the lights: there are as many lights, and those that move share no cluster."""
         alone = (len(self.clusters[self.row[i]].members) == 1 for i, lamp in enumerate(lamps) if lamp.moving)
         return len(lamps) == len(self.row) and all(alone)
 
@@ -68,7 +68,7 @@ class LightClusters:
 
     @staticmethod
     def of(lamps: Sequence[LightSource], moving: Sequence[bool], surface: Surface) -> LightClusters:
-        """Clusters lights by what they send to a surface; few lights, the strongest, and those that move stay alone."""
+        """Clusters of lights that light a surface alike. Lights that move, the strongest, and few lights stay alone."""
         if len(lamps) <= EXACT or not len(surface.material):
             return LightClusters([LightCluster((i,), (1.0,)) for i in range(len(lamps))])
         some = surface.pick(torch.linspace(0, len(surface.material) - 1, _POINTS).long().to(surface.material.device))
@@ -92,7 +92,7 @@ class LightClusters:
 
 
 def k_means(points: Tensor, count: int) -> Tensor:
-    """The cluster (P,) of each of P points (D, P), at most `count`; deterministic, with start centers far from each other."""
+    """Cluster number (P,), below `count`, of each of P points (D, P); deterministic, starts from centers far apart."""
     centers = points[:, :1]
     for _ in range(count - 1):
         away = torch.cdist(points.T, centers.T).amin(1)
@@ -108,7 +108,7 @@ def k_means(points: Tensor, count: int) -> Tensor:
 def shadow(
     geometry: RayGeometry, smoothing: ShadowFilter, lamp: LightSource, direct: DirectIrradiance, moving: bool
 ) -> Tensor:
-    """Share (N,) of a light that every surface sample sees; a large light that is `moving` in a gradient loop gets fewer rays."""
+    """Share (N,) of a light that each surface sample sees; a large light that is `moving` in a loop gets fewer rays."""
     surface = smoothing.surface
     linked = lamp.lights(surface.object)
     if not lamp.light.shadow:
@@ -132,7 +132,7 @@ def shadow(
 
 
 class ShadowFilter:
-    """A cross-bilateral box filter over the image, which averages shadows of neighbors on one smooth surface; built once per view."""
+    """A cross-bilateral box filter, which averages shadows of neighbors on a smooth surface; built once per view."""
 
     def __init__(self, samples: Samples, surface: Surface) -> None:
         self.surface = surface
@@ -164,9 +164,9 @@ class ShadowFilter:
         return smooth
 
     def _alike(self, radius: int) -> tuple[list[tuple[Any, Any, Tensor]], Tensor]:
-        """Neighbors on the same smooth surface, and how many pixels (H, W) are averaged.
+        """Neighbors on the same smooth surface, one tuple for each offset, and how many pixels (H, W) are averaged.
 
-        For each offset: the pixels that have a neighbor there and these neighbors, as slices, and (h, w) bool.
+        A tuple has slices of the pixels, slices of their neighbors, and (h, w) bool: both on one smooth surface.
         """
         neighbors, weight = [], torch.ones(self._size, device=self._grid.device)
         for dy, dx in itertools.product(range(-radius, radius + 1), repeat=2):
@@ -183,7 +183,7 @@ class ShadowFilter:
 def cluster_shadow(
     geometry: RayGeometry, smoothing: ShadowFilter, cluster: LightCluster, lamps: Sequence[LightSource]
 ) -> Tensor:
-    """Share (N,) of the light of a cluster's lights together that every surface sample sees.
+    """Share (N,) of the total light of a cluster that each surface sample sees.
 
     A sample has a few rays, each to a light that is drawn with a chance proportional to its light on visible points, plus a tenth
     of the mean. The light along these rays is summed over neighbors on the same smooth surface, with and without shadows. The

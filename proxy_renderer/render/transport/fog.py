@@ -81,7 +81,7 @@ class FogMedium:
         return torch.exp(-self.density * self.thickness(start, toward, distance))
 
     def thickness(self, start: _Vectors, toward: _Vectors, distance: _Numbers | float) -> Float[Tensor, "*n"]:
-        """Optical depth over density, in meters (…); arguments as for `transmittance`."""
+        """Optical depth divided by density, in meters (…); arguments as for `transmittance`."""
         first, last = self._inside(start, toward, distance)
         length = last - first
         if not self._thins:
@@ -95,7 +95,7 @@ class FogMedium:
         return length * torch.where(level, torch.exp(-self._falloff * ((a + b) / 2).clamp_min(0)), slope)
 
     def _inside(self, start: Tensor, toward: Tensor, distance: Tensor | float) -> tuple[Tensor, Tensor]:
-        """The part of the way that is in the fog: distances (…) of its ends, first ≤ last."""
+        """Distances (…) in meters at which rays enter and leave the fog, first ≤ last; equal for rays outside of it."""
         limit = torch.as_tensor(distance, dtype=start.dtype, device=start.device)
         limit = torch.broadcast_tensors(limit, start[0], toward[0])[0]
         if self._box is None:
@@ -155,14 +155,14 @@ class FroxelGrid:
     """In-scattered light and optical depth between the camera and any point, on a grid over image and depth."""
 
     _sums: Tensor  # (1, 4, SEGMENTS + 1, rows, columns): scattered light, and optical depth
-    _size: tuple[int, int]
-    _near: float
+    _size: tuple[int, int]  # width and height of the image, pixels
+    _near: float  # meters: cut k is at near · (growth^k − 1)
     _growth: float
     _bulk: float  # meters up to which the cuts' distances grow; one more cut is at `_end`
     _end: float
 
     def look_up(self, place: Tensor, distance: Tensor) -> tuple[Tensor, Tensor]:
-        """Light (3, N) that fog adds before samples at places (2, N) in pixels and distances (N,), and its transmittance (N,)."""
+        """Light (3, N) of the fog in front of places (2, N), pixels, at distances (N,), and its transmittance (N,)."""
         segments, rows, columns = self._sums.shape[2] - 1, *self._sums.shape[3:]
         cut = (torch.log1p(distance / self._near) / math.log(self._growth)).clamp(0, segments - 1)
         whole = cut.detach().floor().clamp_max(segments - 2)
@@ -177,14 +177,17 @@ class FroxelGrid:
 
 
 class SingleScattering:
-    """Single scattering in the fog of one scene; its shadows, by `RayGeometry.clear`, are kept until something moves."""
+    """Single scattering in the fog of one scene; shadows, traced by `RayGeometry.clear`, are kept until rays change."""
 
     def __init__(self, clear: Callable[..., Tensor]) -> None:
         self._clear = clear
         self._shadows, self._strengths = Recent(), Recent()
 
     def scatter(self, fog: FogMedium, view: View, near: float, lamps: list[LightSource], world: Tensor) -> FroxelGrid:
-        """The fog in front of a camera, finest up to a typical distance `near`, meters; `world` is its radiance (3, 14) or (3, 1) from `DIRECTIONS`."""
+        """The fog in front of a camera: its scattered light and optical depth.
+
+        `near` is a typical viewing distance in meters, `world` (3, 14) or (3, 1) the world's radiance by direction.
+        """
         eye = view.position.detach()
         away = [length(lamp.position.detach() - eye, 0.0) for lamp in lamps if not lamp.at_infinity]
         end = fog.reach(eye)
@@ -206,7 +209,7 @@ class SingleScattering:
         return FroxelGrid(sums, view.size, near, growth, bulk, end)
 
     def lamp_light(self, fog: FogMedium, rays: RaySegments, lamp: LightSource, parts: int) -> Tensor:
-        """In-scattered light (3, S, rows, columns) of one light, for an albedo of 1; each of S segments has some `parts`."""
+        """In-scattered light (3, S, rows, columns) of one light, for an albedo of 1; a segment is cut into `parts`."""
 
         def per_color() -> Tensor:  # (S, rows, columns)
             direct = lamp.in_scattering(rays, parts)
@@ -223,7 +226,7 @@ class SingleScattering:
         return self._of(fog, rays, lamp.light.name, key, per_color) * lamp.color.view(3, 1, 1, 1)
 
     def _of(self, fog: FogMedium, rays: RaySegments, name: str, key: Hashable, make: Callable[[], Tensor]) -> Tensor:
-        """A value that depends on fog, rays and a key; made again when they change, or are learned (a key of None)."""
+        """The result of `make`, cached by name until fog, rays or `key` change; not cached if they have gradients."""
         if fog.signature is None or key is None or needs_gradient(rays.start, rays.toward):
             return make()
         cut = tuple(rays.cuts.flatten()[1:2].tolist())  # () where no ray starts: the camera sees no surface
@@ -240,7 +243,7 @@ class SingleScattering:
         return reaching * phase_shares((directions[:, :, 0] * rays.toward[:, None]).sum(0), fog.anisotropy)[:, None]
 
     def _shadow(self, name: str, signature: Hashable, ways: Sequence[Tensor], shadowless: int = -1) -> Tensor:
-        """Visibility (0 to 1) along points, directions and distances, shaped like these; traced again when the signature changes."""
+        """Visibility (0 to 1) along ways (points, directions, distances); traced again when the signature changes."""
         points, toward, distance = (way.detach() for way in ways)
         flat = points.flatten(1), toward.flatten(1), distance.flatten()
         return self._shadows.of(name, signature, lambda: self._clear(*flat, shadowless).view(distance.shape))

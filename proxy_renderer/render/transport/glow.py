@@ -36,11 +36,11 @@ def glow_of(
     clusters: Mapping[int, Sequence[object]],
     generator: Generator,
 ) -> list[Tensor]:
-    """Shares (A, M) that the materials' glow fills of what the points of `lobes` see.
+    """Shares (A, M) of the view from A points that the glow of each of M materials fills, one tensor for each lobe.
 
-    The first is that of their hemisphere, weighted by the cosine, the others of the reflection blurred by each of `BLURS`.
-    `clusters` are those of `Emitters`: in diffuse light, they stand for the materials that have some. Points with the same number
-    in `near` (A,) share random numbers of reflections, in `wide` (A,) those of the hemisphere: see `GatherPoints.turns`.
+    The first lobe is the hemisphere, weighted by the cosine; the others are reflections blurred by each of `BLURS`.
+    `clusters` is `Emitters.clusters`: the first lobe leaves out materials with lights. Points with the same number in
+    `near` (A,) share random numbers of reflections, in `wide` (A,) those of the hemisphere: see `GatherPoints.turns`.
     """
     points, unlit = lobes.points, sorted(material for material, some in clusters.items() if not some)
     diffuse = _Search(geometry, points, wide, unlit, "diffuse", generator)
@@ -54,7 +54,7 @@ def glow_of(
 
 
 class _Search:
-    """Search for glowing surfaces from points, by one kind of rays; target points are chosen once, equally many for each material."""
+    """Rays of one kind from points to glowing surfaces; target points are chosen once, equally many per material."""
 
     def __init__(
         self, geometry: RayGeometry, points: Surface, turn: Tensor, glowing: list[int], ray: str, generator: Generator
@@ -100,7 +100,10 @@ class _Search:
         self._seen *= self._geometry.stopping(self._geometry.surface(self._targets, self._toward), self._toward)
 
     def shares(self, directions: Callable[[Tensor], Tensor], density: Callable[[Tensor], Tensor]) -> Tensor:
-        """Shares (A, M) of a lobe that glow fills, by its rays (3, A * R) from (2, A, R) in [0, 1), and their density (A * R)."""
+        """Shares (A, M) of a lobe that each material's glow fills.
+
+        `directions` maps (2, A, R) in [0, 1) to rays (3, A * R) of the lobe, `density` maps rays to a density (A * R).
+        """
         if self._targets is None:
             return torch.zeros((self._origin.shape[1], len(self._geometry.glass)), device=self._origin.device)
         toward = directions(shared_points(_LOBE_RAYS, self._turn, self._generator))
@@ -109,7 +112,10 @@ class _Search:
         return found + self._weighed(self._targets, self._toward, density(self._toward), self._seen, False)
 
     def _weighed(self, hits: Hits, toward: Tensor, lobe: Tensor, seen: Tensor, by_lobe: bool) -> Tensor:
-        """Sums (A, M) of rays drawn `by_lobe` or else by target points, by the power heuristic; of densities, and shares of light that arrive."""
+        """Shares (A, M) by rays drawn `by_lobe`, or else by target points, weighted by the power heuristic.
+
+        `lobe` (A * R) is the rays' density in the lobe, `seen` (A * R) the share of their light that arrives.
+        """
         index = (hits.hit & (seen > 0) & (self._density[hits.triangle.clamp_min(0)] > 0)).nonzero()[:, 0]
         triangle, distance = hits.triangle[index], hits.distance[index]
         a, b, c = (self._geometry.corners[k, triangle].T for k in range(3))
@@ -126,15 +132,15 @@ class _Search:
 
 @dataclass(frozen=True)
 class LobeRays:
-    """Rays that leave A points, which other rays have met."""
+    """Random rays that leave A points, at which other rays have arrived."""
 
     points: Surface  # the points
     arrived: Tensor  # (3, A) directions of the rays that have met them
-    cosine: Tensor  # (A,) of their angles to the normals
+    cosine: Tensor  # (A,) between the arrived rays, reversed, and the normals
 
     @staticmethod
     def of(points: Surface, arrived: Tensor) -> LobeRays:
-        """From the points, and directions (3, A) of the rays that have met them."""
+        """The rays of `points`, whose lobes depend on the directions `arrived` (3, A) of rays that have met them."""
         return LobeRays(points, arrived, (-dot(arrived, points.normal)).clamp(_LEAST_COSINE, 1.0))
 
     def hemisphere(self, uv: Tensor) -> Tensor:

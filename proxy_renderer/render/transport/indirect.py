@@ -86,7 +86,7 @@ class IndirectFogRays:
         self._irradiance, self._kept = Recent(), Recent()
 
     def gather(self, fog: FogMedium, lamps: Sequence[LightSource], sky: Sky) -> IndirectFog:
-        """Sums the fog's effects at the values of one render."""
+        """Effects of the fog on indirect light at the gather points, at the values of one render."""
         passing, kept, ambient = self._of(fog, "passing", lambda: self._passing(fog))
         mirrored = passing[:, -1]
         columns = []
@@ -109,11 +109,11 @@ class IndirectFogRays:
         return IndirectFog(ambient, single[:, 1], path, light, scattered, haze, mirrored[:, 0])
 
     def _of(self, fog: FogMedium, name: Hashable, make: Callable[[], T], key: Hashable = None) -> T:
-        """A value that depends on the fog and a key; made again when they change, or while the fog needs gradients."""
+        """The result of `make`, cached by name until fog or `key` change; not cached while the fog needs gradients."""
         return make() if fog.signature is None else self._kept.of(name, (fog.signature, key), make)
 
     def _passing(self, fog: FogMedium) -> tuple[Tensor, Tensor, Tensor]:
-        """Transmittance (P, rays) of the rays, (P,) of the diffuse ones that hit surfaces, and (P,) of the world's light."""
+        """Transmittance of fog along rays (P, rays), along diffuse rays that hit a surface (P,), to the world (P,)."""
         passing = fog.transmittance(self._start, self._toward, self._distance)
         diffuse, hit = passing[:, :-1], self._hit[:, :-1].to(passing.dtype)
         kept = (diffuse * hit + 1e-3 * diffuse).sum(1) / (hit + 1e-3).sum(1)
@@ -126,7 +126,10 @@ class IndirectFogRays:
         return passing, kept, (reaching * facing).sum(0) / facing.sum(0)
 
     def _transmittances(self, fog: FogMedium, lamp: LightSource, index: int, passing: Tensor) -> tuple[Tensor, Tensor]:
-        """Transmittance (P, 1) from a light to the hits of diffuse rays, and from there on, `passing` (P, rays), to the points."""
+        """Fog's transmittance (P, 1) from a light to the hits of diffuse rays, and (P, 1) from the light to the points.
+
+        `passing` (P, rays) is the transmittance along the rays.
+        """
         still, position = lamp.detached(), self._surface.position
 
         @torch.no_grad()
@@ -184,8 +187,8 @@ class IndirectLight:
     open_glossy: Tensor  # (N,) share of the world in the blurred reflection
     open_mirror: Tensor  # (N,) share of the world in the mirror image
     gather_points: Tensor  # (A, 3) irradiance at the gather points
-    # radiance (3, N) of glowing surfaces: their mirror image, then blurred by each of `glow.BLURS`. `glossy` and `mirror` lack
-    # it. Empty if nothing glows.
+    # radiance (3, N) of glowing surfaces, not in `glossy` and `mirror`: their mirror image, then blurred by each of
+    # `glow.BLURS`. Empty if nothing glows.
     glow: tuple[Tensor, ...] = ()
 
 
@@ -193,7 +196,8 @@ class IndirectLight:
 class _PointWeights:
     """Weights of the radiances of a `RadianceTable` at A points.
 
-    Most are of scattered light, millions with many lights: instead of a copy of all, those of lights that have moved are apart.
+    Weights of scattered light are millions if there are many lights. Those of lights that have moved are kept apart, so
+    that the others need no copy.
     """
 
     _all: Tensor  # (A, S, M) of what materials scatter of each source
@@ -207,11 +211,11 @@ class _PointWeights:
         return cls(weights[:, :-1].contiguous(), weights[:, -1].clone(), sky)
 
     def with_lamp(self, sources: Sequence[int], weights: Tensor) -> Self:
-        """A copy with other weights (A, n, M) of n sources."""
+        """A copy with other weights (A, n, M) of scattered light for n `sources`, numbers of rows of the table."""
         return replace(self, _moved={**self._moved, **dict(zip(sources, weights.unbind(1), strict=True))})
 
     def scattered(self, table: RadianceTable, shares: Tensor | None = None) -> Tensor:
-        """Scattered light (A, 3); fog lets shares (A, S) of each source through."""
+        """Scattered light (A, 3); fog lets the shares (A, S) of each source through, all if None."""
         rows = table.scattered
         if self._moved:
             rows = rows.index_fill(0, torch.tensor([*self._moved], device=rows.device), 0.0)
@@ -226,7 +230,7 @@ class _PointWeights:
 
 
 class FinalGather:
-    """Bounced light and reflections for the samples of one view."""
+    """Bounced light and reflections for the samples of one view; `lamps` is the number of lights or clusters."""
 
     def __init__(
         self,
@@ -314,7 +318,7 @@ class FinalGather:
         return IndirectLight(full[:3], full[3:6], mirror, self._open_glossy, self.mirror.open, low, shown)
 
     def gather_through(self, table: RadianceTable, fog: FogMedium, indirect_fog: IndirectFog) -> IndirectLight:
-        """The indirect light of one render: transmitted by fog, and in-scattered by it."""
+        """The indirect light of one render, dimmed by fog, with the light that the fog scatters."""
         wide, narrow = self._weighed()
         low = wide.scattered(table, indirect_fog.path_transmittance)
         low = low + (wide.emission @ table.emission) * indirect_fog.passing[:, None]
@@ -334,7 +338,10 @@ class FinalGather:
         return IndirectLight(full[:3], full[3:6], mirror, full[9], self.mirror.open * passing, low, shown)
 
     def following(self, gathered: IndirectLight, table: RadianceTable, lamps: Sequence[LightSource]) -> IndirectLight:
-        """`gathered` with added gradients by the placement of lights that are learned; these gradients ignore shadows, and fog between surfaces."""
+        """`gathered`, with gradients added with respect to the placement of lights that need them.
+
+        These gradients ignore changes of shadows, and fog between surfaces.
+        """
         moving = [(index, lamp) for index, lamp in enumerate(lamps) if lamp.moving]
         if not moving:
             return gathered
@@ -362,7 +369,7 @@ class FinalGather:
         return self._weights
 
     def _shown_glow(self, table: RadianceTable, blurred: Tensor, passing: Tensor | float = 1.0) -> tuple[Tensor, ...]:
-        """`IndirectLight.glow` at the samples, from its blurred reflections (3 K, N); fog lets a share `passing` of the mirror image through."""
+        """`IndirectLight.glow`: the mirror image, of which fog lets `passing` through, and blurred ones (3 K, N)."""
         if not self._glow:
             return ()
         emission = torch.cat((table.emission, table.emission.new_zeros((1, 3))))  # none outside the scene

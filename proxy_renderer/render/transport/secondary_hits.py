@@ -34,13 +34,13 @@ class RadianceTable:
     """
 
     scattered: Tensor  # (S, M, 3) radiance that each material scatters of each source
-    emission: Tensor  # (M, 3)
+    emission: Tensor  # (M, 3) radiance that each material emits
     sky: Tensor  # (9, 3) spherical harmonics of the world
     albedo: Tensor  # (M, 3) share of light that each material scatters, or reflects if it is a metal
 
 
 class _HitRadiance(torch.autograd.Function):
-    """Radiance (3, N) of single hits, 0 where rays leave the scene; by material, without a large sparse matrix.
+    """Radiance (3, N) that N rays meet, 0 where they leave the scene; computed by material, without a sparse matrix.
 
     `ambient` (3, N) is irradiance besides that of the table's sources. `incoming` (S, N) is how much of each source a hit gets.
     `members` has the indices of each material's hits. `relative_base_color` (3, N) is texture over mean color.
@@ -127,7 +127,10 @@ class SecondaryHits:
         self._share = torch.ones_like(self.hit) if self._deep else self.mirror_weight
 
     def with_mirrors(self, metals: Tensor, lamps: Mapping[int, LightSource]) -> SecondaryHits:
-        """A copy with other mirror weights (M,); only hits that change are traced again, for the `lamps` (row to light) traced before."""
+        """A copy with other mirror weights (M,); only hits whose weight changes are traced again.
+
+        `lamps`: index of a light -> the light for which shadow rays were traced before.
+        """
         other = self.aside()
         other._weigh(metals)
         changed = other.mirror_weight != self.mirror_weight
@@ -175,7 +178,7 @@ class SecondaryHits:
         return other
 
     def light(self, index: int, lamp: LightSource, same_rays: bool = False, among: Tensor | None = None) -> None:
-        """Updates the light of one row at all hits, or `among` (A * R,) bool; shadow rays are kept if they are the `same_rays`."""
+        """Updates `incoming` for light `index` at all hits, or `among` (A * R,) bool; `same_rays` keeps its shadows."""
         for row, rays, surface, share in self._bounces(index):
             if among is not None:
                 some = among[rays].nonzero()[:, 0]
@@ -186,13 +189,13 @@ class SecondaryHits:
             self.incoming[row, rays] = direct.irradiance * self._clear[row, rays]
 
     def _bounces(self, index: int) -> list[tuple[int, Tensor, Surface, Tensor]]:
-        """First and second bounces of a light: row of `incoming`, indices of rays, the surfaces that send them light, share of it that counts."""
+        """First and second bounces of a light: (row of `incoming`, indices of rays, surfaces, share that counts)."""
         first = index, self._matte, self._first, 1 - self.mirror_weight[self._matte]
         second = self.lamps + 2 + index
         return [first, *((second, rays, surface, self._share[rays]) for rays, surface in self._seconds)]
 
     def moved(self, index: int, lamp: LightSource, table: RadianceTable) -> Tensor:
-        """Zeros (A, 3) whose gradient is that of the points' radiance by a light's placement, shadows aside."""
+        """Zeros (A, 3) with the gradient that the points' radiance has by a light's placement if shadows stay."""
         rows = torch.nn.functional.pad(table.scattered.detach(), (0, 0, 0, 1))  # dark outside the scene
         total = torch.zeros((len(self.owner) // self.count, 3), device=rows.device)
         for row, rays, surface, _ in self._bounces(index):
@@ -205,7 +208,7 @@ class SecondaryHits:
         return total / self.count
 
     def image(self, table: RadianceTable, ambient: Tensor) -> Tensor:
-        """Radiance (3, A) of the hits of single rays (R = 1), 0 outside the scene; `ambient` (3, A) is irradiance besides that of lights."""
+        """Radiance (3, A) that single rays (R = 1) meet, 0 outside the scene; `ambient` (3, A) is added irradiance."""
         if not self._members:
             self._members = [(self.owner == m).nonzero()[:, 0] for m in range(self.materials)]
         given = table.scattered, table.emission, table.albedo / math.pi, ambient * (1 - self.mirror_weight)
@@ -226,7 +229,7 @@ class SecondaryHits:
 
 
 def clear_to(geometry: RayGeometry, lamp: LightSource, direct: DirectIrradiance, surface: Surface) -> Tensor:
-    """(N,) 1.0 where a ray from a surface to the light's middle passes, or the light casts no shadows; 0.0 where it lights no such objects."""
+    """Share (N,) of a light that gets from its middle to a surface; 1 without shadows, 0 if it is not linked."""
     linked = lamp.lights(surface.object)
     if not lamp.light.shadow:
         return linked.to(torch.float32)
@@ -249,7 +252,10 @@ def refract(
 
 
 def through(geometry: RayGeometry, surface: Surface, toward: Tensor, ior: float) -> tuple[Tensor, Tensor]:
-    """Origins and directions (3, N) behind a glass of rays (3, N) that enter its surface, through at most `_MOST_WALLS` walls."""
+    """Origins and directions (3, N) with which rays leave a glass, after at most `_MOST_WALLS` walls.
+
+    They enter the glass at `surface` in directions `toward` (3, N).
+    """
     direction, _ = refract(toward, surface.normal, 1.0 / ior)
     direction = -above(-direction, surface.facet)
     origin = 2 * surface.position - geometry.lifted(surface)  # just behind the surface
