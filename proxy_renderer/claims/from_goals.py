@@ -28,7 +28,7 @@ _STILL, _EXACT = (1.0, 0.4, 0.4), (0.5, 0.2, 0.2)
 
 
 def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
-    """The claims of the wishes in goals, and the claims that every image has to satisfy: its subject can be seen."""
+    """The claims of the wishes in goals, and those that every image has to satisfy, as that its subject can be seen."""
     goals = goals_with_picture(goals, vocabulary)
     ranked = sorted((wish for wish in goals.wishes if not wish.of_picture), key=lambda wish: wish.rank)
     rows = _with_accents([(wish, [*_of_wish(wish, goals, vocabulary)]) for wish in ranked])

@@ -23,7 +23,7 @@ _KINDS = {"subject": ("silhouette", ("subject", "highlight", "glow")), "surround
 
 @dataclass(frozen=True)
 class Prompts:
-    """Captions for the encoder, region by region (equations 5 and 6); never negations."""
+    """Captions for the encoder, region by region (equations 5 and 6); no caption contains a negation."""
 
     subject: str  # short caption of the subject alone
     surroundings: str  # short caption of the surroundings alone; "" when the words leave them open
@@ -154,7 +154,7 @@ class OfflineAdvisor:
     light: LightPlan | None = None
 
     def advise(self, display: Any, instances: Mapping[str, Instance], scene: SceneDescription) -> Advice:
-        """The advice; the image has no influence. Raises VibeError if no word of the prompt is known."""
+        """The planner's advice, whatever the current image is. Raises VibeError if no word of the prompt is known."""
         if isinstance(self.goals, VibeError):
             raise self.goals
         prompts = compose(self.goals.parsed, self.goals.overruled)

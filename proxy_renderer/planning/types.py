@@ -52,7 +52,7 @@ LEFT_ALONE = "Left alone, though the words ask for it"  # how the note on locked
 
 
 class Plan(dict[str, PlanEntry]):
-    """An entry for every instance of the scene, by key."""
+    """The plan of a scene: key -> entry, for every instance."""
 
     def __init__(self, entries: dict[str, PlanEntry] | None = None, notes: tuple[str, ...] = ()) -> None:
         super().__init__(entries or {})

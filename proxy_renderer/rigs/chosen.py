@@ -111,7 +111,7 @@ def _first(
 
 
 class _Build:
-    """A rig while words change it."""
+    """The construction of a rig: words change a first rig one after the other."""
 
     def __init__(self, first: Rig, table: RigTable, vocabulary: Vocabulary, names_light_colors: bool) -> None:
         self.first, self.rig, self.table, self.vocabulary = first, first, table, vocabulary
@@ -196,7 +196,7 @@ class _Build:
         self._take(attribute, parts, ("rim", "color"))
 
     def light_up(self, lamp: Attribute, said: Sequence[Attribute]) -> None:
-        """Adds the light of a lamp in the image; `lamp` is the word that turns it on, and `said` has its color, if any."""
+        """Adds the light of a lamp in the image; the word `lamp` turns it on, and words in `said` may color it."""
         light = replace(self.table.rigs[_PRACTICAL].lights[0], worn=frozenset(lamp.owners))
         color = next((a for a in said if a.color and not a.negated and a.owners == lamp.owners), None)
         if color and not is_dark(color):
@@ -271,7 +271,7 @@ class _Build:
         self._take(gel, tuple(parts), ("color",))
 
     def _with_parts(self, parts: Sequence[str]) -> tuple[RigLight, ...]:
-        """The rig's lights; if it has none of some parts, with a new light of the first part, opposite to the key."""
+        """The rig's lights and, if none plays one of `parts`, a new light of the first part, opposite to the key."""
         lights = self.rig.lights
         if not lights or any(light.part in parts for light in lights):
             return lights
@@ -295,7 +295,7 @@ def _lit_lamps(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
 
 
 def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
-    """The words that stand for setups, the most important first."""
+    """The words that stand for setups (whole rigs), the most important first."""
     graded = {a.word for a in said if a.grades}
     every = [a for a in said if a.entry in table.rigs and not (a.negated or a.color or a.grades)]
     every = [a for a in every if not (table.rigs[a.entry].adds or a.cause in graded)]

@@ -190,7 +190,7 @@ def _best_place(light: RigLight, stage: LightStage) -> tuple[Tensor, float]:
 
 
 def _sun(light: RigLight, stage: LightStage) -> tuple[float, float] | None:
-    """Azimuth from the camera and elevation of a sun, in degrees; None if no sun reaches the subject."""
+    """(azimuth from the camera, elevation) of the best sun for a rig's light, degrees; None if no sun fits."""
     everywhere = [(float(a), e) for a in range(-180, 180, 12) for e in (8.0, 14.0, 22.0, 32.0, 44.0, 60.0)]
     sides = (1.0, -1.0) if light.mirrored and light.azimuth else (1.0,)
     near = [

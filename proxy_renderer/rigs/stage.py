@@ -62,7 +62,7 @@ class LightStage:
         self.front = scene.value("camera/azimuth")[0]  # azimuth of the camera, degrees, as in `schema.orbit`
 
     def place(self, azimuth: float, elevation: float, radii: float) -> Tensor:
-        """Place (3,) at an azimuth from the camera and an elevation, degrees, some subject radii from its middle."""
+        """Place (3,) at a distance in subject radii, an azimuth from the camera and an elevation, both in degrees."""
         return self.middle + radii * self.radius * self._toward(azimuth, elevation)
 
     def _toward(self, azimuth: float, elevation: float) -> Tensor:

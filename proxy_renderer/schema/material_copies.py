@@ -18,7 +18,7 @@ def copy_name(material: str, wearers: Sequence[str]) -> str:
 
 
 def copied(owner: str) -> tuple[str, str]:
-    """(original material, wearers as one text) in the name of a copy; (the name, "") for any other material."""
+    """(original material, wearers) in a copy's name: ("Paint", "Cup") of "Paint (on Cup)"; else (name, "")."""
     material, _, wearers = owner.removesuffix(_END).rpartition(_ON)
     return (material, wearers) if material and owner.endswith(_END) else (owner, "")
 

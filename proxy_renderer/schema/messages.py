@@ -227,7 +227,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Checked:
-    """Engine → Blender: whether the words are visible at a frame."""
+    """Engine → Blender: the answer to a `Check`."""
 
     verdicts: list[dict[str, str]]  # as in `Finished`
 
@@ -286,7 +286,7 @@ def read(stream: BinaryIO) -> Iterator[Message]:
 
 
 def check_schema(theirs: str, who: str) -> None:
-    """Raises VibeError unless `theirs`, the schema hash of the other process (`who`: its name), is this process's."""
+    """Raises VibeError if `theirs`, the schema hash of the other process (named `who`), is not that of this process."""
     if theirs != schema_hash():
         problem = f"The {who} has another parameter table ({theirs or 'none'} instead of {schema_hash()})."
         raise VibeError(problem, "Install the same version of vibe-render for Blender and for the engine.")

@@ -118,7 +118,7 @@ def numbers(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> None:
 
 
 def _listed(given: Sequence[str], known: Sequence[str], problem: str) -> list[str]:
-    """The names in texts such as "a,b", each once. Raises VibeError for an unknown one: `problem`, its {} filled in."""
+    """The names in texts such as "a,b", each once. Raises VibeError, with the message `problem`, for an unknown one."""
     names = list(dict.fromkeys(name for part in given for name in re.split(r"[,\s]+", part) if name))
     for name in names:
         if name not in known:
@@ -152,7 +152,7 @@ def locks(patterns: Sequence[str]) -> None:
 
 
 def targets(pairs: Iterable[str]) -> dict[str, str]:
-    """Word -> target that it describes, from texts "WORD=TARGET"; names are not checked. Raises VibeError otherwise."""
+    """Word -> target that it describes, from texts "WORD=TARGET"; raises VibeError for others. Unknown names pass."""
     found = {}
     for pair in pairs:
         word, _, target = pair.partition("=")
