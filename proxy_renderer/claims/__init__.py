@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Claims: how the image has to look by the words, as intervals of measures, and whether it does."""
+"""Claims: intervals of measures that make words visible in an image, and verdicts on images by these intervals."""

@@ -26,17 +26,19 @@ HOLDS = 1.0  # a claim is satisfied if it is missed by at most so many noticeabl
 _COLORS = ("color", "mean")  # measures in OKLab
 _FARTHER = 1e4  # larger than any value of a measure: distance of the middle of an interval with one open end
 _SATURATED, _WIDENED = 40.0, 0.045
-"""C* of a color from which the measure's own noticeable step applies to chroma and hue. Of paler colors people notice smaller
-differences, in proportion to CIEDE2000's weight of chroma, 1 + 0.045 C* (Sharma, Wu and Dalal 2005): the second number."""
+"""`_SATURATED`: C* from which the measure's own noticeable step applies to chroma and hue. `_WIDENED`: between paler
+colors people notice smaller differences, in proportion to CIEDE2000's weight of chroma, 1 + 0.045 C* (Sharma, Wu and
+Dalal 2005)."""
 
 
 @dataclass(frozen=True)
 class Claim:
-    """The interval that satisfies a claim about a measure of a part of the image.
+    """A claim about the image: the interval in which a measure of a part of the image has to be.
 
-    With a `change`, it is also enough that the measure has risen by so much since the artist's image (fallen, if the change is
-    negative). With `near`, it must then be within one `change` of the interval, too. A value of the artist's image beyond the far
-    end, in the direction of the change, may stay; with a change of 0 it may stay beyond either end.
+    With a `change`, it is also enough that the value has risen by that much since the artist's image (fallen, if the
+    change is negative). With `near`, the value must then also be within one `change` of the interval. A value of the
+    artist's image that is beyond the interval in the direction of the change may stay; with a change of 0, beyond
+    either end.
     """
 
     word: str  # of the prompt; "" for claims without words, as that the subject can be seen
@@ -53,16 +55,16 @@ class Claim:
     color: Values | None = None  # the color that is asked for, sRGB; None for other claims
     box: Values = ()  # left, upper, right, lower end in the frame, as shares of its sides; () for all of it
     reason: str = ""  # why it is claimed; "" where the word says it
-    # Parts, each with its materials, that are left out: in a claim about light those that words color
+    # (part, names of materials) of regions that are left out: of a claim about light, those that words color
     apart: tuple[tuple[Part, tuple[str, ...]], ...] = ()
-    weight: float = 1.0  # factor on noticeable steps in the search; less for what a mood implies
+    weight: float = 1.0  # factor on noticeable steps in the search; less for a claim that a mood implies
     near: bool = True  # whether a change is enough only near the interval; if not, anywhere
     also: tuple[str, ...] = ()  # more words that share the claim and its verdict: they ask for the same rig
     by: bool = False  # whether both ends are differences from the artist's image, in noticeable steps
 
     @classmethod
     def unsaid(cls, part: Part, measure: str, lower: float = -math.inf, upper: float = math.inf) -> Claim:
-        """A claim without words: a measure is in an interval, or no farther from it than in the artist's image."""
+        """A claim without words: a measure is in [lower, upper], or no farther from it than in the artist's image."""
         return cls("", part, measure, part, (lower,), (upper,), change=0.0)
 
     @property
@@ -71,7 +73,7 @@ class Claim:
         return bool(self.materials) or self.part == "subject"
 
     def region(self, seen: GBuffer) -> Tensor | None:
-        """The pixels (H, W) bool of the claim's target; None if too few are visible."""
+        """The pixels (H, W) bool of the claim's target in a camera's view, `seen`; None if too few are visible."""
         if MEASURES[self.measure].beside and region_of(seen, "surroundings").sum() < _FEW:
             return None  # the subject fills the image
         where = region_of(seen, self.part, self.materials)
@@ -111,20 +113,20 @@ class Claim:
         return (taken @ taken.new_tensor(self.direction))[None]
 
     def oklab(self, value: Values) -> Values:
-        """The color, OKLab times 100, that the three numbers of a claim about a color stand for."""
+        """OKLab color, times 100, of a value of a claim about a color: three numbers as in `lower` and `upper`."""
         light, along, across = value
         x, y = self.direction or (1.0, 0.0)
         across /= float(self._hue_weight(torch.tensor(along))) if self.direction else 1.0
         return light, x * along - y * across, y * along + x * across
 
     def _hue_weight(self, along: Tensor) -> Tensor:
-        """The weight () of a color's distance across the wanted hue, from its chroma () along that hue."""
+        """The factor () from 1 to 2 on a color's distance across the wanted hue, by its chroma () along that hue."""
         # The tolerance is a share of the wanted chroma. In a paler color the same distance is a larger angle of hue.
         wanted = (self.lower[1] + self.upper[1]) / 2
         return (wanted / along.clamp_min(1.0)).clamp(1.0, 2.0)
 
     def interval(self, before: Tensor | None) -> tuple[Values, Values]:
-        """The lower and the upper end, with a sufficient change since the artist's image, of value `before` (n,), if that is known."""
+        """(lower, upper) end, n numbers each; with the sufficient change from `before` (n,), the artist's value."""
         if self.by and before is not None:
             own, step = before.tolist(), before.new_tensor(self.notice).expand_as(before).tolist()
             least, most = (
@@ -157,7 +159,7 @@ class Claim:
         return step, aside, aside
 
     def residual(self, value: Tensor, before: Tensor | None) -> Tensor:
-        """Distance of a value (n,) from the interval: (n,) in noticeable steps, negative below it, 0 inside."""
+        """Distance (n,) of a value (n,) from its `interval`, in noticeable steps: negative below it, 0 inside."""
         notice = value.new_tensor(self.notice)
         lower, upper = (value.new_tensor(end) / notice for end in self.interval(before))
         return outside(value / notice, lower, upper)
@@ -165,7 +167,10 @@ class Claim:
     def aim(
         self, value: Tensor, before: Tensor | None, ends: tuple[Tensor, Tensor] | None = None
     ) -> tuple[Tensor, Tensor, Tensor]:
-        """A value (n,) and its interval, in noticeable steps times the weight, with the ends moved inward: what the search looks for."""
+        """(value, lower end, upper end) of the aim, which the search looks for: the interval with ends moved inward.
+
+        All three are (n,), in noticeable steps times the weight. `ends` are both ends of an earlier call, or None.
+        """
         notice = value.new_tensor(self.notice)
         if ends is None:  # not known from an earlier call for a value of the same type
             lower, upper = (value.new_tensor(end) / notice for end in self.interval(before))
@@ -178,16 +183,16 @@ class Claim:
         return self.weight * value / notice, *ends
 
     def miss(self, value: Tensor, before: Tensor | None) -> float:
-        """The length of the residual, in noticeable steps. The claim is satisfied if it is at most `HOLDS`."""
+        """The norm of the residual in noticeable steps, 100 at most. Up to `HOLDS`, the claim is satisfied."""
         return min(float(self.residual(value, before).norm()), 100.0)
 
     def was_so(self, before: Tensor, after: Tensor) -> bool:
-        """True if the claim was satisfied before and is now, without a noticeable step to the middle or past an open end."""
+        """True if both values satisfy the claim, and their `gain` is less than a noticeable step."""
         held = max(self.miss(before, None), self.miss(after, before)) <= HOLDS
         return not self.by and held and self.gain(before, after) < HOLDS
 
     def gain(self, before: Tensor, after: Tensor) -> float:
-        """Noticeable steps by which a value came nearer to the middle of the interval, or moved on toward its open end."""
+        """Noticeable steps from `before` to `after` toward the middle of the interval, or toward its open end."""
         notice = before.new_tensor(self.notice)
         lower, upper = (before.new_tensor(end) for end in (self.lower, self.upper))
         core = torch.where(lower.isinf(), before - _FARTHER, (lower + upper) / 2)
@@ -195,7 +200,10 @@ class Claim:
         return float(((before - core) / notice).norm() - ((after - core) / notice).norm())
 
     def is_sure(self, before: Tensor | None, after: Tensor | None, share: float) -> bool:
-        """True if judges can see the verdict on a target with this share of the image."""
+        """True if judges can see that the claim is satisfied: by a large enough gain, or as it was before.
+
+        False for a target with a `share` of the image below 2 %, and for values that are not known.
+        """
         steps = quantities().seen.get(self.measure, 1.0)  # that judges need
         if math.isinf(steps) or share < 0.02 or before is None or after is None:
             return False
@@ -207,12 +215,12 @@ class ClaimSet:
     """The claims of a prompt about a scene."""
 
     claims: tuple[Claim, ...]  # in the order of the words
-    before: tuple[Tensor | None, ...]  # each claim's value of the artist's image; None if hardly visible
+    before: tuple[Tensor | None, ...]  # each claim's value (n,) in the artist's image; None if hardly visible
     regions: tuple[Tensor | None, ...]  # each claim's pixels (H, W) bool in the images that are measured
 
     @classmethod
     def about(cls, claims: tuple[Claim, ...], picture: MeasuredPicture) -> ClaimSet:
-        """The claims, with their regions and values in the artist's image, which is given."""
+        """The claims, with their regions and their values in `picture`, the artist's image."""
         regions = tuple(claim.region(picture.seen) for claim in claims)
         with torch.no_grad():
             pairs = zip(claims, regions, strict=True)
@@ -243,7 +251,7 @@ class ClaimSet:
 
     @cached_property
     def _plain(self) -> dict[int, Tensor]:
-        """Numbers of the claims about mean colors, with their regions."""
+        """Index of a claim -> its region (H, W) bool, for each visible claim about a mean color."""
         rows = enumerate(zip(self.claims, self.regions, strict=True))
         of_means = "mean", "chromaticity"
         return {i: where for i, (c, where) in rows if where is not None and c.measure in of_means and not c.direction}
@@ -260,7 +268,7 @@ class ClaimSet:
         return {}
 
     def aims(self, picture: MeasuredPicture) -> list[tuple[Claim, Tensor, Tensor, Tensor]]:
-        """The claims that can be measured, each with the value (n,) in an image and its aim's lower and upper end, see `Claim.aim`."""
+        """(claim, value, lower end, upper end) for each claim that can be measured in an image, as in `Claim.aim`."""
         found = []
         rows = zip(self.claims, self.values(picture), self.before, strict=True)
         for i, (claim, value, before) in enumerate(rows):
@@ -272,7 +280,7 @@ class ClaimSet:
         return found
 
     def residuals(self, picture: MeasuredPicture) -> list[Tensor]:
-        """Distance of an image from the interval of each claim that can be measured: (n,) each, see `Claim.residual`."""
+        """The residual (n,) of each claim that can be measured in an image, see `Claim.residual`."""
         rows = zip(self.claims, self.values(picture), self.before, strict=True)
         return [claim.residual(value, before) for claim, value, before in rows if value is not None]
 
@@ -298,7 +306,7 @@ class ShotClaims:
         `sure` (see `Claim.is_sure`), and, if there are any, `also` for its other words and `reason`.
         """
         with torch.no_grad():
-            # Claims that a further sentence leaves a place as it is are not reported.
+            # Claims that a place stays as it is, which a further sentence adds, are not reported.
             told = tuple(claim for claim in self.claims if claim.word or not claim.by)
             judged = ClaimSet.about(told, MeasuredPicture.of(before, self.before)).in_view(self.after)
             guesses, values = (

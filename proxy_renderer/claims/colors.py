@@ -46,8 +46,9 @@ def of_color(attribute: Attribute, srgb: Values) -> Iterator[Claim]:
 def _interval(shown: Values, named: float) -> tuple[Values, Values, Values]:
     """The lower and upper end of a color's interval, and its hue: a unit vector (a, b), or () for gray.
 
-    An end has lightness, chroma along the hue and distance across it; for gray lightness, a and b. `shown` is the sRGB color that an
-    image can show nearest to the named one, of lightness `named`: yellow is shown darker, but not as dark as mustard.
+    An end has lightness, chroma along the hue and distance across it; for gray: lightness, a and b. `shown` is the sRGB
+    color that an image can show nearest to the named color, whose lightness is `named`. Yellow is shown darker than
+    named, but not as dark as mustard.
     """
     light, a, b = (100 * v for v in oklab_from_srgb(shown))
     strength = math.hypot(a, b)
@@ -77,7 +78,7 @@ def as_accent(tint: Claim) -> Claim:
 
 
 def _of_all_light(attribute: Attribute, tint: Claim, srgb: Values) -> Iterator[Claim]:
-    """Claims that a color tints the whole image and, if it is the light's, that the hue is right: green light is not turquoise."""
+    """Claims that a color tints the image and, for colored light, that its hue is right: green is not turquoise."""
     strength, least, change = chroma(lab_from_srgb(srgb)), _TINTED, _TINTED_MORE
     if attribute.kind == "light":
         least = max(min(20.0, 0.4 * strength), least)
@@ -90,7 +91,10 @@ def _of_all_light(attribute: Attribute, tint: Claim, srgb: Values) -> Iterator[C
 
 
 def of_material(attribute: Attribute, others: Iterable[Attribute], vocabulary: Vocabulary) -> Iterator[Claim]:
-    """Claims of a material with a color of its own, as gold. For one with only a usual color, as leather, a color in `others` wins."""
+    """Claims of a material with a color of its own, as gold.
+
+    A color that a material only usually has, as leather, is overridden by a color word for it in `others`.
+    """
     entry, part = vocabulary.entries.get(attribute.entry), attribute.part
     if entry is None or entry.slot != "material" or part == "picture":
         return

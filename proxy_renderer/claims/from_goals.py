@@ -23,12 +23,12 @@ _BURNT = 0.06  # largest overexposed share of the image or of the subject
 
 _TINTS = ("tint", "accent")
 
-# OKLab, times 100, by which after a further sentence the mean color may change: of a place, and of what the prompt protects
+# Most change of a mean color after a further sentence, OKLab times 100: of a place in the image, of what is protected
 _STILL, _EXACT = (1.0, 0.4, 0.4), (0.5, 0.2, 0.2)
 
 
 def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
-    """The claims of goals, and the claims of every image, as that its subject can be seen."""
+    """The claims of the wishes in goals, and those that every image has to satisfy, as that its subject can be seen."""
     goals = goals_with_picture(goals, vocabulary)
     ranked = sorted((wish for wish in goals.wishes if not wish.of_picture), key=lambda wish: wish.rank)
     rows = _with_accents([(wish, [*_of_wish(wish, goals, vocabulary)]) for wish in ranked])
@@ -40,7 +40,7 @@ def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
         for claim in row:
             if all(_narrows(claim, wish.usual > 0, first) for first in claims):
                 claims.append(claim)
-    # Less exposure would drown other colors in colored light: without a claim about lightness, that of its color limits it.
+    # Less exposure would drown other colors in colored light. Without a claim on lightness, its color sets the least.
     tints = [c.color for c in colors if (c.part, c.measure) == ("picture", "tint") and c.color]
     if tints and not any((c.part, c.measure) == ("picture", "lightness") for c in claims):
         least = min(0.7 * min(lab_from_srgb(color)[0] for color in tints), 44.0)
@@ -70,7 +70,10 @@ def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
 
 
 def light_claims(light: Sequence[Claim], claims: Sequence[Claim]) -> Iterator[Claim]:
-    """A rig's claims, each once: the first word that asks for it has the claim, and other words are in its `also`."""
+    """The claims `light` of a rig, each once: its `word` is the first that asks for it, other words are in its `also`.
+
+    `claims` are those of single words.
+    """
     # If words color the subject, the light's warmth is measured around it, and `standing_out` is not claimed.
     painted = any(c.part == "subject" and c.measure in ("color", "tint") for c in claims)
     words: dict[tuple[object, ...], dict[str, Claim]] = {}
@@ -97,7 +100,7 @@ def _of_wish(wish: Wish, goals: Goals, vocabulary: Vocabulary) -> Iterator[Claim
 
 
 def _of_text(text: ClaimText, wish: Wish) -> Claim:
-    """One claim of a wish. Claims that a mood implies have less weight than those of a named look."""
+    """The claim of a wish that a text states. A claim that a mood implies has less weight than that of a named look."""
     attribute, part, own = wish.attribute, wish.part_of(text), text.part == "thing"
     color = srgb_from_hex(text.color) if text.color else None
     named = lab_from_srgb(color) if color else (0.0, 0.0, 0.0)
@@ -139,7 +142,7 @@ def _with_accents(rows: list[tuple[Wish, list[Claim]]]) -> list[tuple[Wish, list
 
 
 def _narrows(claim: Claim, usual: bool, first: Claim) -> bool:
-    """True if a claim adds anything to the claim `first` of higher rank."""
+    """True if a claim adds anything to `first`, one of higher rank; `usual`: it only says what a place usually has."""
     if _measured(claim) != _measured(first):
         return True
     # If several words color one part, the first counts.
@@ -151,31 +154,33 @@ def _narrows(claim: Claim, usual: bool, first: Claim) -> bool:
 
 
 def _measured(claim: Claim) -> tuple[object, ...]:
-    """What a claim is about: measure, part, materials and direction, which for `color` belongs to the interval instead."""
+    """(measure, part, materials, direction), equal for claims about the same property; a color's direction is ()."""
     return claim.measure, claim.part, claim.materials, () if claim.measure == "color" else claim.direction
 
 
 def _is_painted(claim: Claim, attribute: Attribute) -> bool:
-    """True for the color of a place or a sky, not of the light there: sand is yellow at noon, and a sunset's sky orange."""
+    """True for a claim about the color of a place or a sky, not of the light there: sand is yellow at noon."""
     if claim.part == "sky":
         return claim.measure in (*_TINTS, "warmth")
     return attribute.slot == "setting" and claim.part == "surroundings" and claim.measure in _TINTS
 
 
 def _is_told(claim: Claim, pictured: Sequence[Claim]) -> bool:
-    """True if a reference image replaces a claim of every image; one of the same scene decides exposure and separation."""
+    """True if the claims `pictured` of a reference image replace a claim that every image has to satisfy."""
+    # A reference image of the same scene decides exposure and separation.
     if any(each.measure == "mean" for each in pictured) and claim.measure in ("burnt", "drowned", "separation"):
         return True
-    # Any other decides how much may drown in black; of the subject only if the reference image itself is dim.
+    # Any other one decides how much may drown in black; of the subject only if the reference image itself is dim.
     medians = [each.lower[0] for each in pictured if each.measure == "median"]
     return claim.measure == "drowned" and bool(medians) and (claim.part == "picture" or min(medians) < 22.0)
 
 
 def _held(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
-    """Claims that the rest of the image stays as it is after a further sentence.
+    """Claims that the rest of the image stays as it is after a further sentence, which makes the given `claims`.
 
-    They are about the materials and the world that the prompt protects, and about each place of a grid. If the sentence changes
-    brightness, a place keeps only its color; if it changes color, only its lightness; if it changes both, nothing.
+    They are about the materials and the world that the prompt protects, and about each cell of a 6 x 4 grid. If the
+    sentence changes brightness, a cell keeps only its color; if it changes color, only its lightness; if it changes
+    both, nothing.
     """
     for owner in goals.parsed.protected:
         group, _, name = owner.partition("/")
@@ -208,7 +213,10 @@ def _held(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
 
 
 def _still(part: Part, width: Values, measure: str = "mean", **where: Any) -> Claim:
-    """A claim without words: the mean color of a region changes by at most `width` in each component, OKLab times 100."""
+    """A claim without words: a region's mean color changes by `width` at most, OKLab times 100.
+
+    `where` are further fields of the claim.
+    """
     return Claim("", "rest of the image", measure, part, tuple(-v for v in width), width, by=True, **where)
 
 

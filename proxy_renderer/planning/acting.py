@@ -19,7 +19,7 @@ Act = tuple[Wish, Effect]  # an effect, with the wish that it comes from
 
 
 def acts(goals: Goals, owners: Owners) -> list[Act]:
-    """The effects of all wishes, in the order of the prompt."""
+    """(wish, effect) for each effect of the words' wishes, in the order of the prompt."""
     found, vocabulary = list[Act](), default_vocabulary()
     for wish in (wish for wish in goals.wishes if not wish.of_picture):
         color, kind, effects = wish.attribute.color, wish.attribute.kind, wish.effects
@@ -35,11 +35,11 @@ def acts(goals: Goals, owners: Owners) -> list[Act]:
 
 
 def goals_without_rig(goals: Goals, light: LightPlan) -> Goals:
-    """Goals without the wishes that a rig replaces; they get the rig's own wishes for the image as `shown`.
+    """Goals without the wishes that a rig, `light`, replaces, and with the rig's own wishes for the image as `shown`.
 
-    Words that ask for the rig, and moods, lose their effects on light and their claims. Of grade words the effects on the film
-    remain; of what moods imply, all other effects at half strength. Wishes that contradict the rig's light are overridden:
-    those of a reference image, and those of words that are not about light.
+    Words that ask for the rig, and moods, lose their effects on light and their claims. Grade words keep their effects
+    on the film. Wishes that moods imply keep all other effects at half strength. Wishes that contradict the rig's light
+    are overridden: those of a reference image, and those of words that are not about light.
     """
     if not (light.served or light.shown):
         return goals
@@ -81,7 +81,7 @@ def is_usual(wish: Wish, effect: Effect) -> bool:
 
 
 def stage_of(effect: Effect) -> int:
-    """The stage, from 0, in which an effect is applied."""
+    """The stage, 0 to 2, in which an effect is applied: after those that it depends on."""
     if effect.color == "own":
         return 2
     # Shares of the key's light depend on the key, and the world's strength depends on its color.

@@ -18,12 +18,12 @@ from .types import LightPlan, Plan
 _MOST = 5  # words per caption: short ones are understood better
 _OF_MATTER = ("color", "finish", "material", "setting")
 _KINDS = {"subject": ("silhouette", ("subject", "highlight", "glow")), "surroundings": ("fog", ("surroundings", "sky"))}
-"""Region -> the kind or entry that describes all of it, and the kinds of targets that its caption describes."""
+"""Region -> (kind or entry of words for all of the region, kinds of targets that the region's caption describes)."""
 
 
 @dataclass(frozen=True)
 class Prompts:
-    """Captions for the encoder, region by region (equations 5 and 6); never negations."""
+    """Captions for the encoder, region by region (equations 5 and 6); no caption contains a negation."""
 
     subject: str  # short caption of the subject alone
     surroundings: str  # short caption of the surroundings alone; "" when the words leave them open
@@ -34,7 +34,7 @@ class Prompts:
 
 
 def compose(parsed: Parsed, overruled: Collection[Attribute] = (), vocabulary: Vocabulary | None = None) -> Prompts:
-    """Captions and negatives of a parsed prompt, without the words in `overruled`."""
+    """Captions, and negatives that must not fit, of a parsed prompt, without the words in `overruled`."""
     captions = _Captions(vocabulary or default_vocabulary())
     meant = [a for a in parsed.attributes if a not in overruled]
     said = [a for a in meant if not a.negated and not a.cause]
@@ -140,21 +140,21 @@ class Advice:
 
 
 class Advisor(Protocol):
-    """Fills the typed structures of a round."""
+    """The interface of advisors, which make the `Advice` of a round: the planner, or a model."""
 
     def advise(self, display: Any, instances: Mapping[str, Instance], scene: SceneDescription) -> Advice:
-        """Parse, compose, confine. `display` is the current image (H, W, 3) in [0, 1]; locks are in `instances`."""
+        """The advice for the current image, `display` (H, W, 3) in [0, 1]; `instances` have the locks."""
 
 
 @dataclass(frozen=True)
 class OfflineAdvisor:
-    """The vocabulary and its planner; without goals, the reason why nothing is understood."""
+    """The advisor without a model: the vocabulary and its planner."""
 
-    goals: Goals | VibeError
+    goals: Goals | VibeError  # the prompt's goals, or the reason why nothing in it is understood
     light: LightPlan | None = None
 
     def advise(self, display: Any, instances: Mapping[str, Instance], scene: SceneDescription) -> Advice:
-        """Raises VibeError if no word of the prompt is known."""
+        """The planner's advice, whatever the current image is. Raises VibeError if no word of the prompt is known."""
         if isinstance(self.goals, VibeError):
             raise self.goals
         prompts = compose(self.goals.parsed, self.goals.overruled)
@@ -164,7 +164,7 @@ class OfflineAdvisor:
 
 
 def unmeasured(goals: Goals, served: Collection[Attribute] = ()) -> Prompts:
-    """Captions of the words that have wishes but no measured claims; words that a rig serves count as measured."""
+    """Captions of only the words that no measured claim covers; words in `served`, which a rig serves, are covered."""
     measured = [wish.attribute for wish in goals.wishes if wish.is_measured]
     left = [
         a

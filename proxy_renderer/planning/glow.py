@@ -16,10 +16,10 @@ def glowing(scene: SceneData) -> list[str]:
 
 
 def glows(scene: SceneData) -> dict[str, Glow]:
-    """Material -> the light that its surfaces give to a white surface at the subject, for each one that emits and is used.
+    """Material -> the light that it gives to a white surface at the subject, for each emitting material that has faces.
 
-    It is the sum of area x |cosine| / (pi d^2) over its triangles, where the distance d is at least half the subject's height.
-    Occlusion is ignored.
+    The light is the sum of area x |cosine| / (pi d^2) over the material's triangles, 1 at most. The distance d is at
+    least half the subject's height. Occlusion is ignored.
     """
     mesh, pivot = scene.mesh, np.array(scene.pivot)
     names = glowing(scene)

@@ -63,7 +63,7 @@ _WHITE: Values = (1.0, 1.0, 1.0)
 
 
 def watts(instance: Instance, scene: SceneDescription) -> float:
-    """`power` (per squared meter of distance), `strength` or `emission` at which a white surface that faces it has a radiance of 1."""
+    """The `power` (per m² of distance), `strength` or `emission` by which a white surface facing it has radiance 1."""
     if instance.parameter.group == "material":
         glow = scene.emitters[instance.owner]
         return 1.0 / max(glow.light * glow.strength, 1e-6)
@@ -75,7 +75,10 @@ def watts(instance: Instance, scene: SceneDescription) -> float:
 def facing_radiance(
     instances: dict[str, Instance], scene: SceneDescription, value: Value, lights: Collection[str] | None = None
 ) -> float:
-    """Radiance, before exposure, of a white surface that faces all `lights`, or those named; glows are named "material/NAME"."""
+    """Radiance, before exposure, of a white surface that faces all the named `lights`; None: all lights and glows.
+
+    The name of a glow is "material/NAME". `value` gives the value of an instance.
+    """
     found = {}
     for instance in instances.values():
         if instance.parameter.group == "light" and instance.parameter.name in ("power", "strength"):

@@ -19,8 +19,8 @@ class SceneLights:
     """The lights of a scene by role, and the materials that glow enough to count as lights.
 
     Attributes:
-        key: Names of the key lights, or of the light brightest on the subject if none has that role. If there are glows, only the
-            brightest of those lights and the glows.
+        key: Names of the key lights, or of the light brightest on the subject if no light has that role. If there are
+            glows: only the brightest one of these lights and the glows.
         rim: Names of the rim lights; without any, the light most behind the subject that is no key.
         fill: Names of the fill lights, and of all glows that are no key.
         lamps: Names of all lights, without glows.
@@ -50,16 +50,16 @@ class SceneLights:
 
     @property
     def every(self) -> list[str]:
-        """All lights and glows."""
+        """Names of all lights and glows."""
         return [*self.lamps, *self.glows]
 
     def of_role(self, role: str) -> list[str]:
-        """The lights that have a role in the scene."""
+        """Names of the lights that have a role in the scene: "key", "fill" or "rim"."""
         playing = {i.owner for i in self._instances.values() if i.role == role}
         return [name for name in self.lamps if name in playing]
 
     def values(self, effect: Effect, attribute: Attribute) -> list[Instance]:
-        """The parameters of lights that an effect of a word changes; for a glow, the corresponding ones of its material."""
+        """Instances of lights that an effect of a word changes; for a glow, the corresponding ones of its material."""
         glowing = _OF_GLOWS.get(effect.name)
         keys = [
             f"{light}/{glowing}" if light.startswith(GLOW) else f"light/{light}/{effect.name}"
@@ -69,7 +69,7 @@ class SceneLights:
         return [self._instances[key] for key in keys if key in self._instances]
 
     def targets(self, effect: Effect, attribute: Attribute) -> list[str]:
-        """The names of the lights and glows that an effect of a word changes."""
+        """The names of the lights and glows that an effect of a word changes; a glow is "material/NAME"."""
         owner, role = effect.owner, attribute.role
         own = list(attribute.lights)
         if own and owner not in ("rim", "fill"):
@@ -98,13 +98,13 @@ class SceneLights:
 
 
 class SceneMaterials:
-    """The materials of a scene. `shares` maps a material to the share of its region's pixels that it covers, if known."""
+    """The materials of a scene. `shares`: material -> the share that it covers of its region's pixels, if known."""
 
     def __init__(self, instances: Mapping[str, Instance], shares: Mapping[str, float]) -> None:
         self._instances, self._shares = instances, shares
 
     def of_region(self, region: str) -> list[str]:
-        """All materials of a region: "subject" or "surroundings"."""
+        """Names of all materials of a region: "subject" or "surroundings"."""
         found = (i for i in self._instances.values() if i.parameter.group == "material" and i.role == region)
         return list(dict.fromkeys(i.owner for i in found))
 
@@ -129,7 +129,7 @@ class SceneMaterials:
         return [n for n in names if n not in glows or (attribute.color is not None and effect.owner == "material")]
 
     def _whole(self, names: list[str]) -> list[str]:
-        """The main materials of a thing, and small ones that look like them: "red car" does not mean its tires."""
+        """The main ones of an object's materials, and small ones that look alike: "red car" does not mean its tires."""
         shares: dict[str, float] = {}
         for name in names:  # by kind, so that all four tires are treated alike
             kind = kind_of(name)
@@ -163,7 +163,7 @@ class Owners:
         self.lights = SceneLights(instances, scene)
 
     def of(self, effect: Effect, attribute: Attribute) -> list[Instance]:
-        """The instances of an effect's family that belong to the target of a word; may be empty."""
+        """The instances of an effect's family that belong to the target of a word; [] if the scene has none."""
         group = OWNERS[effect.owner]
         if group == "light":
             return self.lights.values(effect, attribute)
@@ -198,7 +198,7 @@ class Owners:
 
 
 def protected(instance: Instance, parsed: Parsed) -> Instance:
-    """A parameter, locked where the prompt says that its owner stays as it is."""
+    """The instance, which is locked if the prompt says that its owner stays as it is."""
     owner = f"{instance.parameter.group}/{instance.owner}".rstrip("/")
     stays = owner in parsed.protected and not instance.locked
     return replace(instance, locked="the prompt says that it stays") if stays else instance

@@ -22,13 +22,13 @@ _STRONGER, _WEAKER = 1.6, 0.5
 """Factors on a cast for the ends of a light's range of colors. The strong end exceeds the cast because other light lies over it.
 A weak end at white would put hues of no cast into the range: pink and yellow next to orange."""
 _FEW_HUES = 0.0  # cosine between the hues of two casts below which each has a light of its own
-HELD_LIGHTLY = 0.05  # `PlanEntry.prior` of values that a reference image lets move: of two ways, the nearer
+HELD_LIGHTLY = 0.05  # `PlanEntry.prior` of values that a reference image lets move: of two solutions, the nearer one
 UNTOUCHED = "the picture does not speak of it: keeps the artist's value"
 
 
 @dataclass(frozen=True)
 class LightColors:
-    """The colors that light may have: for each light a range between two colors of one hue, since a wider one has more hues."""
+    """The colors that light may have: a range for each light, between two colors of one hue."""
 
     key: tuple[Values, Values]  # for key lights: lower and upper end, linear, in [0, 1]
     fill: tuple[Values, Values]  # for all other light, including the world
@@ -38,8 +38,9 @@ class LightColors:
 def light_colors(claims: Sequence[ClaimText]) -> LightColors:
     """The colors of light that the claims about casts ask for.
 
-    All light takes the hue of the strongest cast. If another cast is more than 90 degrees of hue apart, as teal is from orange, each
-    has a light of its own: the key takes the cast of the image's highlights, and all other light the opposite one.
+    All light takes the hue of the strongest cast. If another cast is more than 90 degrees of hue apart, as teal is from
+    orange, each has a light of its own: the key takes the cast of the image's highlights, and all other light the
+    opposite one.
     """
     casts = [_middle(claim) for claim in claims if claim.measure in CASTS] or [(0.0, 0.0)]
     lights = [_middle(claim) for claim in claims if claim.measure == "highlight_cast"]
@@ -55,7 +56,7 @@ def light_colors(claims: Sequence[ClaimText]) -> LightColors:
 
 
 def _line(cast: tuple[float, float], casts: Sequence[tuple[float, float]]) -> tuple[Values, Values]:
-    """The range of light colors from stronger than a cast to weaker than all casts of a similar hue."""
+    """(lower, upper) end of linear light colors: stronger than `cast`, and weaker than all `casts` of a similar hue."""
     alike = [each for each in casts if _cosine(each, cast) >= _FEW_HUES]
     ends = [_color(*cast), *(_color(a, b, _WEAKER) for a, b in alike)]
     return ends[0], tuple(map(max, zip(*ends, strict=True)))
@@ -78,7 +79,7 @@ def _cosine(one: tuple[float, float], other: tuple[float, float]) -> float:
 
 
 def plan_with_picture(plan: Plan, goals: Goals, instances: Mapping[str, Instance], vocabulary: Vocabulary) -> Plan:
-    """A plan of words, extended by a reference image; without one the same plan. Values that words name keep their entries."""
+    """A plan of words with the entries of a reference image, if any. Values that words name keep their entries."""
     pictured = goals_with_picture(goals, vocabulary).pictured
     if not pictured:
         return plan
@@ -91,8 +92,8 @@ def plan_with_picture(plan: Plan, goals: Goals, instances: Mapping[str, Instance
 def entries_of(pictured: Sequence[Wish], instances: Mapping[str, Instance]) -> dict[str, PlanEntry]:
     """Key -> entry of each value that a reference image's wishes let change; locked values are left out.
 
-    Colors of light are those of the casts that the wishes claim. An image of the same scene has claims for each place instead, so
-    its casts are not used. Wishes without claims, as those of an HDRI panorama, name the values themselves.
+    Colors of light are those of the casts that the wishes claim. An image of the same scene has claims for each place
+    instead, so its casts are not used. Wishes without claims, as those of an HDRI panorama, name the values themselves.
     """
     claims = [claim for wish in pictured for claim in wish.claims if claim.weight]
     effects = [(wish.attribute.entry, effect) for wish in pictured for effect in wish.effects]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The confiner without a model: from wishes to ranges, starts and priorities of a scene's parameters."""
+"""The planner (the paper's confiner): from wishes to ranges, starts and priorities of a scene's parameters."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -25,7 +25,7 @@ from .types import LEFT_ALONE, LightPlan, Plan, PlanEntry
 class WishedRange:
     """The range that a wish asks for of one parameter."""
 
-    key: str
+    key: str  # of the parameter
     lower: Values
     upper: Values
     wish: Wish
@@ -38,19 +38,19 @@ class WishedRange:
 
     @property
     def rank(self) -> tuple[bool | int, ...]:
-        """The sort key of a conflict over one parameter, the smallest wins: parts of `Wish.rank`, and the range's own priority."""
+        """The sort key of a conflict over one parameter: parts of `Wish.rank`, and the priority. The smallest wins."""
         _, _, usual, implied, general, paint, vague, _, _ = self.wish.rank
         return self.weak, usual, implied, paint, self.priority, general, vague
 
     @property
     def is_plain(self) -> bool:
-        """True if the prompt itself asks for it: it is no default, and neither implied nor usual."""
+        """True if the prompt itself asks for the range, which is neither a default nor implied nor usual."""
         return not (self.weak or self.wish.implied or self.wish.usual)
 
 
 @dataclass(frozen=True)
 class Agreement:
-    """The range that all winners of a conflict over one parameter leave, and these winners, the first in rank first."""
+    """The range on which the winners of a conflict over one parameter agree; these winners, the first in rank first."""
 
     lower: Values
     upper: Values
@@ -66,7 +66,7 @@ class Agreements:
         self._lost: dict[tuple[str, str], dict[str, None]] = {}
 
     def add(self, ranges: Iterable[WishedRange]) -> None:
-        """Adds ranges, and resolves the conflicts over their parameters anew."""
+        """Adds ranges, and resolves the conflicts over their parameters again."""
         keys: dict[str, None] = {}  # a set would have another order in each process
         for each in ranges:
             self._ranges.setdefault(each.key, []).append(each)
@@ -89,7 +89,7 @@ class Agreements:
             self.of[key] = Agreement(lower, upper, winners)
 
     def value(self, instance: Instance) -> Values:
-        """The artist's value, or the start that words name, projected into the range that remains so far."""
+        """The artist's value, or a start that words name, moved into the range that remains so far, if there is one."""
         found = self.of.get(instance.key)
         return within(found.winners[0].start or instance.value, found.lower, found.upper) if found else instance.value
 
@@ -252,7 +252,7 @@ class _Planner:
         return WorldLook(tuple(v * level for v in self.agreed.value(tint)), level) if tint else WorldLook()
 
     def _own_color(self, owner: str) -> tuple[float, ...]:
-        """The sRGB color that words give the subject, or else that of a material."""
+        """The sRGB color that words give the subject, or else the present one of a material, `owner`; else white."""
         named = (a.color for a in self.parsed.attributes if a.kind == "subject" and a.color and not a.negated)
         found = (self.instances.get(f"material/{owner}/{name}") for name in ("base_color", "tint"))
         own = (srgb_from_linear(self.agreed.value(i)) for i in found if i)

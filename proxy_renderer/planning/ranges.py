@@ -15,8 +15,8 @@ _BLACKEST, _WHITEST = 0.006, 0.85  # linear reflectance: hardly any real surface
 _BLACK = 0.02  # linear component up to which a backdrop is black
 _MOOD = 0.6  # factor on a tint that light, air and film share: objects keep some color of their own
 _SURFACE = (0.65, -0.1), (1.35, 0.15)
-"""Lower and upper end of a surface's range: factor on the named color's largest display component, and what is added to it. The range
-is wide: claims find the color in it that looks as named under the scene's light and view."""
+"""Lower and upper end of a surface's range: factor on the named color's largest display component, and a summand. The
+range is wide: claims find the color in it that looks as named under the scene's light and view."""
 _GLOW = (0.8, 0.0), (1.0, 0.1)  # as `_SURFACE`, for the color of a glow, whose strength is separate
 _PALER = -0.25, 0.15  # share of the way to gray by which the ends of such a range are paler
 _STEP = 0.6  # luminance of a color that is clearly darker than another, as a share of the other's
@@ -24,14 +24,14 @@ OWN_COLOR = ("base_color", "tint")  # parameters that hold a material's color
 
 
 def named_color(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Values | None:
-    """The linear color that a word gives to a surface, a glow or the visible background; None for other effects and parameters."""
+    """The linear color that a word gives a surface, a glow or the visible background; None for other effects."""
     seen = effect.mode == "shown" and (effect.color in ("@", "own") or instance.parameter.group == "world")
     names = instance.parameter.kind == "color" and (seen or (effect.mode == "color" and effect.color == "@"))
     return painted(effect, attribute, instance, sources) if names else None
 
 
 def color_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
-    """The range that an effect with a color asks for; not clipped."""
+    """The range that an effect with a color asks for: linear colors, or strengths of the world; not clipped."""
     if named := named_color(effect, attribute, instance, sources):
         # All colors of its hue that may look as named in some light: darker or lighter, purer or paler
         shown = [max(v, 0.0) ** (1 / 2.2) for v in named]
@@ -103,14 +103,14 @@ def _color_of(effect: Effect, attribute: Attribute, sources: Sources) -> Values:
 
 
 def shaded(srgb: Values, attribute: Attribute) -> Values:
-    """A material's own color as the words shade it: "dark oak"."""
+    """A material's own color, as words shade it: "dark oak"; sRGB."""
     for arguments in attribute.shades:
         srgb = shade(srgb, *arguments)
     return srgb
 
 
 def _gel(linear: Values, purity: float) -> Values:
-    """The color with its largest component at 1, and not fully saturated: filters and fog never are."""
+    """A linear color scaled to a largest component of 1, and mixed with 1 - `purity` of white; white for black."""
     top = max(linear)
     return tuple(1 - purity * (1 - v / top) for v in linear) if top > 0.01 else (1.0, 1.0, 1.0)
 
@@ -170,7 +170,7 @@ def within(values: Values, lower: Values, upper: Values) -> Values:
 
 
 def clip(low: Values, high: Values, instance: Instance) -> Range:
-    """A range, limited to the hard bounds in each component; an end outside becomes the nearest bound."""
+    """The range (low, high) within the instance's hard bounds, for each component; an end outside becomes a bound."""
     lower, upper = (within(_spread(end, instance), instance.lower, instance.upper) for end in (low, high))
     return lower, tuple(map(max, lower, upper))
 
@@ -178,7 +178,10 @@ def clip(low: Values, high: Values, instance: Instance) -> Range:
 def scaled(
     low: float, high: float, neutral: float, strength: float, bounds: tuple[float, float]
 ) -> tuple[float, float]:
-    """A range, moved toward the neutral value for "slightly", away from it for "very". One that surrounds the value stays."""
+    """The range (low, high), moved toward `neutral` for a strength below 1 ("slightly"), away from it above 1 ("very").
+
+    A range around `neutral` stays as it is. `bounds` limit the end that moves away.
+    """
     if strength == 1.0 or (low <= neutral <= high and not (low == neutral or high == neutral)):
         return low, high
     if strength < 1.0:
@@ -199,7 +202,7 @@ def _computed_glow(instance: Instance, sources: Sources) -> Values:
 
 
 def _over_glow(low: Values, high: Values, own: Values) -> Range:
-    """The range of tints that turn a glow's computed mean color, `own`, into the colors of a range, as far as it allows."""
+    """The range of tints that turn the mean color of a glow's nodes, `own`, into the colors of a range, if they can."""
     if max(own) - min(own) < 1e-3:
         return low, high
     least = 0.25 * max(*own, 1e-6)
@@ -212,7 +215,7 @@ def _over_glow(low: Values, high: Values, own: Values) -> Range:
 
 
 def _glow_color(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
-    """The range of a glow's color between two temperatures; a glow with a hue of no temperature is only tinted by them."""
+    """The range of a glow's color between two color temperatures; they only tint a glow with another hue, as green."""
     computed = _computed_glow(instance, sources)
     color = tuple(a * b for a, b in zip(instance.value, computed, strict=True))
     own = srgb_from_linear(tuple(v / max(*color, 1e-6) for v in color))
@@ -257,7 +260,7 @@ def _plus(effect: Effect, strength: float, instance: Instance, _: Sources) -> Ra
 
 
 def _near(effect: Effect, strength: float, instance: Instance, _: Sources) -> Range:
-    """The artist's value, moved by shares of its whole range along the perceptual scale."""
+    """The range from the artist's value plus one share of its whole range to plus another, on the perceptual scale."""
     scale = instance.parameter.scale
     bounds = list(zip(instance.value, instance.lower, instance.upper, strict=True))
     low, high = (
@@ -298,7 +301,7 @@ def _per_radiance(instance: Instance, sources: Sources) -> float:
 
 
 def _share(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
-    """Strengths that give shares of the key's light; in a scene without a key, L* 62 to 88."""
+    """The range of strengths that give shares of the key's light; in a scene without a key, L* 62 to 88."""
     if not sources.key:
         return _lightness(Effect("world", "strength", "lightness", (62.0,), (88.0,)), 1.0, instance, sources)
     scale = sources.key * _per_radiance(instance, sources)
@@ -312,7 +315,7 @@ def facing_white(instance: Instance, low: float, high: float, sources: Sources) 
 
 
 def _azimuth(effect: Effect, strength: float, instance: Instance, sources: Sources) -> Range:
-    """Of all ranges of azimuth that mean the same direction, the nearest to the artist's value."""
+    """The range of azimuth, of all that mean the same direction, that is nearest to the artist's value."""
     low, high, camera = effect.lower[0], effect.upper[0], sources.scene.camera_azimuth
     sides = [(low, high)] if effect.mode == "camera" else [(low, high), (-high, -low)]
     turns = [(camera + a + 360 * k, camera + b + 360 * k) for a, b in sides for k in (-2, -1, 0, 1, 2)]

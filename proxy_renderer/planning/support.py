@@ -20,7 +20,7 @@ from .owners import BACKDROP, Owners
 from .ranges import clip, facing_white
 from .types import PlanEntry
 
-_LATE = 12  # priority of exposure; smaller numbers come first, as those of what words name
+_LATE = 12  # priority of exposure; parameters that words name have smaller numbers, which come first
 _STOPS = 1.5  # stops that exposure may change, up or down
 _WORLD = (0.5, 2.0)  # multiples of the strength of the world, and of its backdrop
 _AMBIENT = ("world/color", "world/tint")
@@ -49,7 +49,7 @@ def supports(
 def _reaches(
     parsed: Parsed, instances: dict[str, Instance], sources: Sources, owners: Owners
 ) -> Iterator[tuple[str, tuple[Range, int, str]]]:
-    """(key, (range, places in priority after exposure, reason)) of each parameter that may support the words."""
+    """(key, (range, priority minus that of exposure, reason)) of each parameter that may support the words."""
     if BACKDROP in instances:
         yield BACKDROP, (_times(instances[BACKDROP].value, _WORLD), -1, "the subject stands out from it")
     if "film/exposure" in instances:
@@ -85,7 +85,7 @@ def _reaches(
 
 
 def _exposures(exposure: Instance, sources: Sources) -> Range:
-    """Exposures some stops around the artist's, and more if the present image is all dark or all light."""
+    """The range of exposures: some stops around the artist's, wider if the present image is all dark or all light."""
     (artist,), (now,) = exposure.value, sources.scene.values.get(exposure.key, exposure.value)
     lower, upper = artist - _STOPS, artist + _STOPS
     if sources.scene.picture and sources.scene.picture.percentiles:
@@ -103,7 +103,7 @@ def _times(value: Values, multiples: tuple[float, float]) -> Range:
 
 
 def added_power(instance: Instance, sources: Sources) -> Values:
-    """The geometric mean of the powers that an added light may have."""
+    """The power of an added light: the geometric mean of its range."""
     (low,), (high,) = facing_white(instance, *_ADDED, sources)
     return (math.sqrt(low * high),)
 
@@ -111,7 +111,7 @@ def added_power(instance: Instance, sources: Sources) -> Values:
 def missing_lights(
     goals: Goals, instances: dict[str, Instance], scene: SceneDescription, standby: Mapping[str, str]
 ) -> list[str]:
-    """Names of the standby lights that the words ask for, one for each missing role; `standby` maps a name to its role."""
+    """Names of lights to add for the words, one for each missing role; `standby`: light that may be added -> role."""
     owners, roles = Owners(goals.parsed, instances, scene), list[str]()
     for wish, effect in acts(goals, owners):
         attribute = wish.attribute
@@ -129,9 +129,9 @@ def missing_lights(
 def asks_for_backdrop(goals: Goals, instances: dict[str, Instance], scene: SceneDescription) -> bool:
     """True if the visible background has to differ from the world that lights the scene.
 
-    That is so if words give the background a vivid color, which would tint the scene, or a lightness that contradicts the light
-    that other words ask for. Otherwise a white background lights the scene, too, as in a photographer's studio. What a place
-    usually has does not count: the sky of a garden at night is the night's.
+    That is so if words give the background a vivid color, which would tint the scene, or a lightness that contradicts
+    the light that other words ask for. Otherwise a white background lights the scene, too, as in a photographer's
+    studio. Effects that a place usually has do not count: a garden at night has the sky of the night.
     """
     owners = Owners(goals.parsed, instances, scene)
     of_world = [
@@ -150,7 +150,7 @@ def asks_for_backdrop(goals: Goals, instances: dict[str, Instance], scene: Scene
 
 
 def _lightness(act: Act) -> tuple[float, float] | None:
-    """The L*, from and to, that an effect asks for of the world; None if it asks for none."""
+    """(lowest, highest) L* that an effect asks for of the world; None if it asks for none."""
     wish, effect = act
     if effect.mode == "shown" and wish.attribute.color:
         return (lab_from_srgb(wish.attribute.color)[0],) * 2

@@ -20,21 +20,21 @@ class PlanEntry:
     priority: int | None  # the smaller the more important; None is never optimized (but still projected)
     reason: str  # for the artist; quotes the word that caused it
     prior: float = 1.0  # weight in [0, 1] of the pull to the artist's value: 0 where words named the value
-    usual: bool = False  # whether it is only usual, as nights are blue: it does not open for missed claims
+    usual: bool = False  # whether it is only usual, as nights are blue: it is not widened for missed claims
     varies: bool = False  # whether variants may differ in it though words name it: the side of a candle
     any_hue: bool = False  # whether a color may take any hue in its range; if not, the search keeps its hue
     start: Values | None = None  # where the search begins; None for the artist's value, projected
 
     @classmethod
     def kept(cls, instance: Instance, reason: str) -> PlanEntry:
-        """An entry that keeps the artist's value, which may be locked."""
+        """An entry that is not optimized: the artist's value if that is locked, else the full bounds."""
         if instance.locked:
             return cls(instance.value, instance.value, None, f"locked: {instance.locked}")
         return cls(instance.lower, instance.upper, None, reason)
 
     @property
     def is_named(self) -> bool:
-        """True if words name the range."""
+        """True if words give the parameter its range."""
         return self.priority is not None and self.prior == 0.0
 
 
@@ -45,14 +45,14 @@ class LightPlan:
     entries: dict[str, PlanEntry] = field(default_factory=dict)  # for every parameter that it sets, by key
     served: tuple[Attribute, ...] = ()  # the words that ask for the rig; they ask for no other light
     grade: tuple[tuple[Attribute, Effect], ...] = ()  # the rig's effects on the film, each with its word
-    shown: tuple[Wish, ...] = ()  # wishes about how its light looks in the image
+    shown: tuple[Wish, ...] = ()  # wishes about how the rig's light looks in the image
 
 
 LEFT_ALONE = "Left alone, though the words ask for it"  # how the note on locked values begins
 
 
 class Plan(dict[str, PlanEntry]):
-    """An entry for every instance of the scene, by key."""
+    """The plan of a scene: key -> entry, for every instance."""
 
     def __init__(self, entries: dict[str, PlanEntry] | None = None, notes: tuple[str, ...] = ()) -> None:
         super().__init__(entries or {})

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Light as a gaffer sets it: which rig the words ask for, who plays its parts, where added lights stand, and how bright all are."""
+"""Lighting rigs as gaffers set them up: the rig that words ask for, the lights of its parts, their places and power."""

@@ -97,7 +97,7 @@ def chosen_rig(goals: Goals, table: RigTable, vocabulary: Vocabulary, anew: bool
 def _first(
     setups: list[Attribute], gels: list[Attribute], lights: list[DescribedLight], parts: set[str], table: RigTable
 ) -> Rig:
-    """The rig that words then change; if they only add lights for some `parts`, the scene's own light stays as it is."""
+    """The rig that words then change; if they only add lights for `parts` without a key, the scene's light stays."""
     if setups:
         return table.rigs[setups[0].entry]
     if len(gels) > 1:
@@ -111,7 +111,7 @@ def _first(
 
 
 class _Build:
-    """A rig while words change it."""
+    """The construction of a rig: words change a first rig one after the other."""
 
     def __init__(self, first: Rig, table: RigTable, vocabulary: Vocabulary, names_light_colors: bool) -> None:
         self.first, self.rig, self.table, self.vocabulary = first, first, table, vocabulary
@@ -151,7 +151,7 @@ class _Build:
         self.words.setdefault(attribute.word, asked)
 
     def describe(self, lights: Sequence[DescribedLight]) -> None:
-        """Gives the rig the lights that words describe one by one; if these are several, a source loses its other lights."""
+        """Gives the rig the lights that words describe. If these are several, a source's rig loses its other lights."""
         if len(lights) > 1 and (self.first.kind == "source" or self.first.name == "back light"):
             parts = {"key", *(light.part for light in lights)}
             self.rig = replace(self.rig, lights=tuple(x for x in self.rig.lights if x.part in parts))
@@ -196,7 +196,7 @@ class _Build:
         self._take(attribute, parts, ("rim", "color"))
 
     def light_up(self, lamp: Attribute, said: Sequence[Attribute]) -> None:
-        """Adds the light of a lamp in the image that is on, in the color that words give the lamp."""
+        """Adds the light of a lamp in the image; the word `lamp` turns it on, and words in `said` may color it."""
         light = replace(self.table.rigs[_PRACTICAL].lights[0], worn=frozenset(lamp.owners))
         color = next((a for a in said if a.color and not a.negated and a.owners == lamp.owners), None)
         if color and not is_dark(color):
@@ -206,7 +206,7 @@ class _Build:
         self.rig = replace(self.rig, lights=(*others, light))
 
     def may_modify(self, attribute: Attribute) -> bool:
-        """True if a word changes lights of the rig; if the scene's own light stays, only a word about lights that are added."""
+        """True if a word changes lights of the rig; if the scene's own light stays, it has to be about added lights."""
         of_added = any(light.part in _PARTS.get(attribute.role, ()) for light in self.rig.lights)
         of_rig = of_added or not self.first.keeps_own_light
         of_light = attribute.kind in _OF_LIGHT or bool(attribute.role)
@@ -231,7 +231,7 @@ class _Build:
         self._take(attribute, tuple(parts), modifier.aspects)
 
     def darken(self, attribute: Attribute, said: Sequence[Attribute]) -> None:
-        """Makes everything but the subject black, or only darker if a word asks for that: "everything else falls into black"."""
+        """Makes all but the subject black, or only darker, if a word says so: "everything else falls into black"."""
         others = attribute.thing in self.vocabulary.lists["others"]
         around = others or attribute.kind in ("surroundings", "sky")
         if attribute.negated or not around or (attribute.owners and not others):
@@ -271,7 +271,7 @@ class _Build:
         self._take(gel, tuple(parts), ("color",))
 
     def _with_parts(self, parts: Sequence[str]) -> tuple[RigLight, ...]:
-        """The rig's lights; if it has none of some parts, with a new light of the first part, opposite to the key."""
+        """The rig's lights and, if none plays one of `parts`, a new light of the first part, opposite to the key."""
         lights = self.rig.lights
         if not lights or any(light.part in parts for light in lights):
             return lights
@@ -295,7 +295,7 @@ def _lit_lamps(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
 
 
 def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
-    """The words that stand for setups, the most important first."""
+    """The words that stand for setups (whole rigs), the most important first."""
     graded = {a.word for a in said if a.grades}
     every = [a for a in said if a.entry in table.rigs and not (a.negated or a.color or a.grades)]
     every = [a for a in every if not (table.rigs[a.entry].adds or a.cause in graded)]
@@ -306,7 +306,7 @@ def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
 
 
 def _adds(attribute: Attribute, table: RigTable, vocabulary: Vocabulary, anew: bool) -> bool:
-    """True if a word asks for a further light: any with `anew`, else one that only rigs know, as "background light"."""
+    """True if a word adds a light to a rig; without `anew`, only one without wishes of its own: "background light"."""
     entry = vocabulary.entries.get(attribute.entry)
     is_said = not (attribute.negated or attribute.cause)
     return is_said and bool(table.parts(attribute.entry)) and (anew or not (entry and entry.wishes))

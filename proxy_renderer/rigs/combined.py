@@ -19,7 +19,7 @@ _SECOND = -1.0  # stops of another setup's key against the first one's
 
 
 def with_source(rig: Rig, other: Rig) -> Rig:
-    """A setup with the key of another one as a second light, on the side where the first key is not."""
+    """A setup with the key of another one as an accent light, on the side where the first key is not."""
     if not other.lights or not rig.lights:
         return rig
     first, key = rig.lights[0], other.lights[0]
@@ -31,7 +31,7 @@ def with_source(rig: Rig, other: Rig) -> Rig:
 
 
 def at_an_hour(rig: Rig, hour: Rig) -> Rig:
-    """A setup under the sky of an hour or a weather; of several hours, the darkest sky stays. Suns get the hour's color."""
+    """A setup under the sky of an hour or a weather; of several, the darkest sky stays. Suns get the hour's color."""
     if rig.under_sky and rig.sky is not None and (hour.sky is None or hour.sky > rig.sky):
         return rig
     sun = next((light for light in hour.lights[:1] if light.type == "SUN"), None)
@@ -51,7 +51,7 @@ def at_an_hour(rig: Rig, hour: Rig) -> Rig:
 
 
 def sky_color_of(said: Sequence[Attribute]) -> Values | None:
-    """sRGB of the color that words give the sky; None where they give none."""
+    """The sRGB color that words give the sky; None if they give none."""
     skies = (a.color for a in said if a.kind == "sky" and not (a.negated or a.cause or a.owners))
     return next(filter(None, skies), None)
 
@@ -66,7 +66,7 @@ def under_named_sky(rig: Rig, said: Sequence[Attribute]) -> Rig:
 
 
 def in_a_style(rig: Rig, style: Rig) -> Rig:
-    """A setup with a style's grade, and at most its exposure; also as dark around the subject as a dark style."""
+    """A setup with a style's grade, an exposure lowered toward the style's, and, in a dark style, its sky and world."""
     # Sky and world stay if the setup's key is a sun, or its sky is that of an hour.
     has_own_sky = rig.under_sky or any(light.type == "SUN" for light in rig.lights[:1])
     darker = {}
@@ -79,7 +79,10 @@ def in_a_style(rig: Rig, style: Rig) -> Rig:
 
 
 def in_a_mood(rig: Rig, mood: Rig, edges: bool) -> Rig:
-    """An hour, a weather or a place with the sky, the fill, the air and, if wanted, the colored `edges` of a mood: "gloomy noon"."""
+    """The rig of an hour, a weather or a place in a mood: "gloomy noon".
+
+    It takes over the mood's sky, world, air, exposure and grade and, if `edges` is True, its colored edge lights.
+    """
     parts = {light.part for light in rig.lights}
     colored = [light for light in mood.lights if light.color and light.part in EDGES] if edges else []
     return replace(
@@ -108,7 +111,7 @@ def _mixed_color(mine: str, theirs: str) -> str:
 
 
 def deepened(rig: Rig, modifier: Modifier, strength: float) -> Rig:
-    """A rig with a modifier's contrast and exposure."""
+    """A rig with a modifier's contrast and exposure added to its own, both times the `strength` of the word."""
     deeper = modifier.contrast * strength
     lights = tuple(
         light

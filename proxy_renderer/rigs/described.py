@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lights that a prompt describes one by one, each as a light of a rig: what it is, where it comes from, its color and strength."""
+"""The lights that a prompt describes one by one, each as a light of a rig: its type, direction, color and strength."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -22,11 +22,11 @@ _EDGE = 128.0  # azimuth of an edge light behind the subject
 
 @dataclass(frozen=True)
 class DescribedLight:
-    """A light that words describe: its part in the rig, the words, and the scene's light that they name, or ""."""
+    """A light that words describe."""
 
-    part: str
-    said: tuple[Attribute, ...]
-    own: str = ""
+    part: str  # that it plays in the rig
+    said: tuple[Attribute, ...]  # the words
+    own: str = ""  # the scene's light that the words name; "" if none
 
     def is_mirrored(self, table: RigTable) -> bool:
         """True if words say that the other side gets such a light too."""
@@ -34,7 +34,7 @@ class DescribedLight:
 
 
 def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight]:
-    """The lights that a prompt describes, and does not only mention."""
+    """The lights that the words `said` of a prompt describe, and do not only mention."""
     groups: dict[int, list[Attribute]] = {}
     for attribute in said:
         elsewhere = attribute.owners or attribute.cause or attribute.of_glows or is_dark(attribute)
@@ -68,12 +68,15 @@ def described(said: Iterable[Attribute], table: RigTable) -> list[DescribedLight
 
 
 def _tells(words: Sequence[Attribute], table: RigTable, lights: int) -> bool:
-    """True if words single a light out: by two sources, a direction or a light of the scene."""
+    """True if words single a light out: by two sources, a direction or a light of the scene.
+
+    If there are several lights (`lights` is their number), one source, role, color or color temperature is enough.
+    """
     said = [a for a in words if not a.negated]
     sources = [a for a in said if _source(a, table)]
     if len(sources) > 1 or _places(said, table) or any(a.lights for a in said):
         return True
-    # If there are several `lights`, one source, a role, a color or a color temperature is enough.
+    # enough if there are several lights
     colored = bool(sources) or any(a.role or a.color for a in said)
     return lights > 1 and (colored or any((m := table.modifier(a.entry)) and m.kelvin for a in said))
 
@@ -95,7 +98,7 @@ def _parts_for(words: Sequence[Attribute], table: RigTable, lights: int) -> tupl
 
 
 def composed(light: DescribedLight, lights: Sequence[RigLight], table: RigTable, vocabulary: Vocabulary) -> RigLight:
-    """The light that words describe; it replaces the rig's own light of that part, if `lights` has one."""
+    """The rig light that words describe; it replaces the light of the same part in the rig's `lights`, if any."""
     base, key = (next((x for x in lights if x.part == part), None) for part in (light.part, "key"))
     made = _template(light, base, key, table)
     azimuth, elevation = _direction(light.said, table)
@@ -133,13 +136,13 @@ def tint_of(attribute: Attribute, vocabulary: Vocabulary) -> str:
 
 
 def limited(light: RigLight) -> RigLight:
-    """A light that is at most as large as lights of its type are."""
+    """The light with a size of at most the largest that lights of its type have."""
     widest = {"SUN": 45.0, "AREA": 5.0, "SPOT": 1.0, "POINT": 1.0}
     return replace(light, size=min(light.size, widest[light.type]))
 
 
 def source_of(words: Sequence[Attribute], table: RigTable) -> Attribute | None:
-    """The word that names the source of a light; of several the last, and a window only if nothing else is named."""
+    """The word that names a light's source; None if none. The last of several counts, a window only without others."""
     # A "tungsten spot" is a spot, and moonlight from a window is the moon.
     sources = [(a, lamp) for a in words if (lamp := _source(a, table))]
     lamps = [a for a, lamp in sources if lamp.type == "SUN" or not lamp.through]
@@ -153,7 +156,10 @@ def _source(attribute: Attribute, table: RigTable) -> RigLight | None:
 
 
 def _template(light: DescribedLight, base: RigLight | None, key: RigLight | None, table: RigTable) -> RigLight:
-    """The light that words then change: that of the named source, else the rig's own of this part, else a plain one."""
+    """The light that words then change: of the named source, else `base`, the rig's of this part, else a plain one.
+
+    `key` is the rig's key light; lights other than edges start on the side opposite to it.
+    """
     has_rig = light.part in (*EDGES, *FILLS, "background")  # one that adds a light of that part
     plain = (table.rigs[f"{light.part} light"] if has_rig else table.plain).lights[0]
     stops = -0.5 if light.part in FREE[1:] else plain.stops
@@ -177,13 +183,13 @@ def _template(light: DescribedLight, base: RigLight | None, key: RigLight | None
 
 
 def _places(said: Iterable[Attribute], table: RigTable) -> list[tuple[str, Modifier]]:
-    """Entries and modifiers of the words that give a light a direction."""
+    """(entry, modifier) of each word that gives a light a direction."""
     found = [(a.entry, table.modifier(a.entry)) for a in said if not (a.negated or a.color)]
     return [(entry, m) for entry, m in found if m and "direction" in m.aspects]
 
 
 def _direction(said: Iterable[Attribute], table: RigTable) -> tuple[float | None, float | None]:
-    """Azimuth and elevation that words give a light, in degrees, or None for each; "back left" is the mean of both directions."""
+    """(azimuth, elevation) that words give a light, degrees, each None if not given; "back left" is the mean of two."""
     places = _places(said, table)
     turns = {entry: m.azimuth for entry, m in places if m.azimuth is not None}
     if len(turns) > 1:  # "side" counts only without another direction

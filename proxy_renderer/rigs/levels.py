@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The strength of a rig's lights, so that the scene is exposed and lit in its ratios."""
+"""The strengths of a rig's lights, by which the scene has the rig's exposure and its ratios between lights."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence
@@ -36,11 +36,11 @@ class Exposing:
         self._stops += math.log2(max(film.gain, 1e-3))
 
     def gray(self, luminance: float) -> float:
-        """Scene-linear radiance of a gray that is displayed with a luminance; 0.8 at most."""
+        """Scene-linear radiance of a gray that is displayed with a luminance, which counts as 0.8 at most."""
         return self.color((min(luminance, 0.8),) * 3)[0]
 
     def color(self, displayed: Sequence[float]) -> Values:
-        """Scene-linear light that is displayed as a linear color, or as a paler one of that hue where the view shows none so pure."""
+        """Scene-linear light that is displayed as a linear color, or as a paler one if the view shows none so pure."""
         wanted = torch.tensor(displayed, dtype=torch.float32).clamp(_LEAST_CHANNEL, 0.97)
         gray = wanted @ wanted.new_tensor(LUMINANCE_WEIGHTS)
         for paler in (0.0, 0.12, 0.24, 0.36, 0.48, 0.6):
@@ -63,7 +63,7 @@ _BARELY = 1e-7
 
 @dataclass(frozen=True)
 class Levels:
-    """The light that a rig gives."""
+    """The light that a rig gives to the subject."""
 
     factors: Mapping[str, float]  # light -> factor on its power in the trial values; 0 if it reaches nothing
     key: float  # irradiance of the key on the subject's lit side
@@ -73,7 +73,10 @@ class Levels:
 def measured(
     scene: SceneData, stage: LightStage, lights: Sequence[Placed], values: dict[str, Values], rig: Rig, ambient: float
 ) -> Levels:
-    """The levels of a rig, by the light that its lights shed with trial `values`; `ambient` is the radiance of the scene's own world."""
+    """The levels of a rig, from the light that its lights shed with trial `values`.
+
+    `ambient` is the radiance of the scene's own world.
+    """
     given = {key: torch.tensor(value) for key, value in values.items()}
     lamps = {lamp.light.name: lamp for lamp in light_sources(scene, RenderValues(scene, given, "cpu"))}
     places = stage.subject, stage.around
@@ -125,7 +128,7 @@ def measured(
 
 
 def _own_level(scene: SceneData, stage: LightStage, added: Collection[str]) -> float:
-    """Irradiance that the scene's own lights give the subject's lit side."""
+    """Irradiance of the subject's lit side by the scene's own lights: all but those with names in `added`."""
     lamps = [x for x in light_sources(scene, RenderValues(scene, {}, "cpu")) if x.light.name not in added]
     return _brightest(sum((_shed(x, stage, stage.subject) for x in lamps), torch.zeros(len(stage.subject))), _LIT)
 
@@ -162,7 +165,7 @@ def _bounce(stage: LightStage, key: tuple[Tensor, ...]) -> float:
 
 
 def _hot_spot(points: Points, light: Tensor, share: float = 0.93) -> float:
-    """Radiance below which a share of points lies; `light` (N,) is their irradiance."""
+    """Radiance below which a share of the points lies, by their irradiance `light` (N,); 0 without points."""
     return float(torch.quantile(points.albedo * light / math.pi, share)) if len(points) else 0.0
 
 

@@ -49,7 +49,7 @@ class Lighting:
 
 
 def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add: bool = True) -> Lighting:
-    """Sets a rig up in one or several shots, by what the first sees; `add` allows lights that the scene lacks."""
+    """Sets a rig up in one or several shots, by the view of the first one; `add` allows lights that the scene lacks."""
     rig = chosen.rig
     first = scenes[0]
     stage = LightStage(first, geometry_of(first, torch.device("cpu")))
@@ -85,7 +85,7 @@ def lighting(scenes: Sequence[SceneData], parsed: Parsed, chosen: ChosenRig, add
 
 
 def _with_lights(scene: SceneData, lights: Sequence[Placed], stage: LightStage) -> SceneData:
-    """A scene with the rig's lights that it lacks, off, but at their places, and with the cards by which they cast patterns."""
+    """A scene with the rig's lights that it lacks, off but in place, and with the cards (masks) that cast patterns."""
     mine = {each.name: _shape(each, stage) for each in lights if not each.own}
     lit = scene.with_lights(mine)
     instances = dict(lit.instances)
@@ -131,7 +131,7 @@ def _shape(each: Placed, stage: LightStage) -> dict[str, Values]:
 
 
 def _trial(scene: SceneData, lights: Sequence[Placed], stage: LightStage, world_color: str) -> dict[str, Values]:
-    """Trial values of lights and world, by which the light of each can be measured."""
+    """Key -> trial value of the rig's lights and of the world, with which the light of each can be measured."""
     values: dict[str, Values] = {}
     for each in lights:
         key = f"light/{each.name}/"
@@ -153,7 +153,10 @@ def _trial(scene: SceneData, lights: Sequence[Placed], stage: LightStage, world_
 def _balanced(
     scene: SceneData, rig: Rig, lights: Sequence[Placed], playing: set[str], values: dict[str, Values], levels: Levels
 ) -> dict[str, Values]:
-    """Values with the powers that the rig's ratios ask for, its world and its sky, and the scene's other lights dimmed."""
+    """Key -> value: the trial `values` with lights in the rig's ratios and a world of the rig's strength.
+
+    The scene's lights that are not in `playing` are dimmed.
+    """
     out = dict(values)
     for each in lights:
         for key in (f"light/{each.name}/power", f"light/{each.name}/strength"):
@@ -183,7 +186,7 @@ def _world_luminance(scene: SceneData, values: Mapping[str, Values], part: str =
 
 
 def _sky(scene: SceneData, rig: Rig, hazy: bool) -> dict[str, Values]:
-    """Values for the sky to be displayed with the rig's color and lightness; a color that cannot be so light is darker."""
+    """Key -> value to display the sky in the rig's color and lightness; a color that cannot be so light is darker."""
     if rig.sky is None or "world/backdrop_strength" not in scene.instances:
         return {}
     color = linear_from_srgb(srgb_from_hex(_sky_color(rig)))
@@ -210,7 +213,7 @@ def _sky(scene: SceneData, rig: Rig, hazy: bool) -> dict[str, Values]:
 
 
 def _tinged(shown: Values, color: str, stops: float) -> Values:
-    """A display color, lighter by `stops` and a third of the way to a color "#rrggbb"; "" for none."""
+    """A linear display color, mixed by about a third with `color` ("#rrggbb"; "" for none), and lighter by `stops`."""
     mix = linear_from_srgb(srgb_from_hex(color)) if color else shown
     alike = luminance(shown) / max(luminance(mix), _BARELY)
     end = [(own + 0.35 * (alike * other - own)) * 2.0**stops for own, other in zip(shown, mix, strict=True)]
@@ -239,7 +242,7 @@ def _veiled(color: str) -> str:
 
 
 def _within(scene: SceneData, values: dict[str, Values]) -> dict[str, Values]:
-    """Values of parameters that the scene has, at most the parameters' upper bounds."""
+    """The `values` of parameters that the scene has, by key, at most the parameters' upper bounds."""
     return {
         key: tuple(min(v, high) for v, high in zip(value, scene.instances[key].upper, strict=True))
         for key, value in values.items()
@@ -248,7 +251,7 @@ def _within(scene: SceneData, values: dict[str, Values]) -> dict[str, Values]:
 
 
 def _air(scene: SceneData, rig: Rig, parsed: Parsed, served: Sequence[Attribute]) -> dict[str, Values]:
-    """Values for the air: the rig's density unless a word is about it; haze has the named sky's color, and is dark at night."""
+    """Key -> value of the air: the rig's density unless a word is about air; haze in the sky's color, dark at night."""
     density, color = (scene.instances.get(f"volume/{name}") for name in ("density", "color"))
     said = any(a.slot == "atmosphere" and not a.cause and a not in served for a in parsed.attributes)
     found: dict[str, Values] = {}
@@ -269,7 +272,10 @@ def _air(scene: SceneData, rig: Rig, parsed: Parsed, served: Sequence[Attribute]
 
 
 def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict[str, Values]:
-    """Values of the scene's lights and glowing surfaces that play no part; `white` is a white surface's radiance in the key's light."""
+    """Key -> value that dims the lights and glowing surfaces without a part in the rig.
+
+    `white` is the radiance of a white surface in the key's light.
+    """
     found: dict[str, Values] = {}
     if not rig.own:
         return found
@@ -293,7 +299,7 @@ def _dimmed(scene: SceneData, rig: Rig, playing: set[str], white: float) -> dict
 
 
 def _word_for(chosen: ChosenRig, part: str, name: str) -> str:
-    """The word that is the reason for a parameter's value in a part of the rig."""
+    """The word that is the reason for the value of a parameter, `name`, of a light in a part of the rig; "" if none."""
     of_part = {word: asked for word, (parts, asked) in chosen.words.items() if part in parts}
     last = sorted(of_part, key=lambda word: "rim" in of_part[word])  # words that add the part
     aspects = {"color": "color", "temperature": "color", "azimuth": "direction", "elevation": "direction"}
@@ -306,7 +312,10 @@ def _word_for(chosen: ChosenRig, part: str, name: str) -> str:
 def _entries(
     scene: SceneData, chosen: ChosenRig, lights: Sequence[Placed], values: Mapping[str, Values]
 ) -> dict[str, PlanEntry]:
-    """The ranges around a rig's values, where the search begins. If the key may stand on either side, variants may turn lights."""
+    """Key -> entry with a range around the rig's value, where the search begins.
+
+    If the key light may stand on either side, variants may turn lights.
+    """
     any_side = any(each.light.mirrored and not each.fixed for each in lights[:1])
     parts = {x.name: x.light.part for x in lights}
     still = {each.name for each in lights if each.fixed or each.own}

@@ -22,7 +22,7 @@ from ..words.lexicon.rigs import RigLight
 from ..words.names import plain_name
 from .stage import LightStage
 
-BRIGHTNESS = ("light/power", "light/strength")  # families of how much light a light sheds
+BRIGHTNESS = ("light/power", "light/strength")  # families of parameters that set the amount of light
 _TURNS = (0.0, -14.0, 14.0, -28.0, 28.0, -45.0, 45.0)
 _RISES = (0.0, 12.0, -10.0, 24.0)
 _NEARER = (1.0, 0.75, 0.55, 0.4)
@@ -48,7 +48,7 @@ class Placed:
 def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True, anew: bool = False) -> list[Placed]:
     """The lights of a rig in a scene, the key first, without those that reach nothing.
 
-    A rig's light is one of the scene's, unless `anew`, or an added one, if `add` allows that.
+    Each is a light of the scene (none if `anew`) or, if `add` allows that, an added light.
     """
     found: list[Placed] = []
     turned, present = 1.0, {light.name for light in stage.scene.lights if anew}
@@ -72,7 +72,7 @@ def placed(lights: Iterable[RigLight], stage: LightStage, add: bool = True, anew
 
 
 def _own(light: RigLight, stage: LightStage, taken: set[str]) -> Placed | None:
-    """A light of the scene that can be a rig's light, by its name, or by its type and where it stands."""
+    """A light of the scene, not in `taken`, that can be a rig's light by its name, or type and place; None if none."""
     free = _playable(stage, taken)
     if light.worn:  # the bulb in a lamp of the picture
         parts = [*stage.parts_of(light.worn)]
@@ -106,7 +106,7 @@ def shared_names(light: RigLight, own: Light) -> set[str]:
 
 
 def _playable(stage: LightStage, taken: set[str]) -> list[Light]:
-    """The lights of the scene that may be changed and play no part yet."""
+    """The lights of the scene that may be changed and play no part yet: names in `taken` do."""
     free = {i.owner for i in stage.scene.instances.values() if i.parameter.family in BRIGHTNESS and not i.locked}
     return [x for x in stage.scene.lights if not x.fixed and x.name in free - taken]
 
@@ -117,7 +117,7 @@ def _angles(own: Light, scene: SceneData) -> tuple[float, float]:
 
 
 def _as_it_stands(light: RigLight, own: Light, stage: LightStage) -> Placed:
-    """A light of the scene, where it is, as one of a rig."""
+    """A light of the scene, `own`, where it is, in the part of a rig's `light`."""
     distance = stage.scene.value(f"light/{own.name}/distance", 0.0)[0]
     return Placed(light, own.name, own.type, True, *_angles(own, stage.scene), distance)
 
@@ -133,7 +133,10 @@ def _stands_for(light: Light, wanted: RigLight, stage: LightStage) -> bool:
 
 
 def _added(light: RigLight, stage: LightStage, taken: set[str], others: Sequence[Placed]) -> Placed | None:
-    """An added light: at a lamp of the scene where none of the `others` stands, as a sun through its windows, or where it reaches its target best."""
+    """An added light for a rig's light: at a lamp of the scene, as a sun, or where it reaches its target best.
+
+    Lamps where one of the `others` stands are left out. None if there is no place or no free name.
+    """
     alone, used = not others, [(other.azimuth, other.elevation, other.distance) for other in others]
     at_lamp = next((place for place in _at_lamps(light, stage) if stage.orbit_of(place) not in used), None)
     if at_lamp is not None:
@@ -167,7 +170,7 @@ def _free_name(part: str, kind: str, stage: LightStage, taken: set[str]) -> str:
 
 
 def _best_place(light: RigLight, stage: LightStage) -> tuple[Tensor, float]:
-    """The best place (3,) near the one that a rig names, and the mean share of light that reaches the target from there."""
+    """The best place (3,) near the one in the rig, and the mean share of light that reaches the target from there."""
     points = stage.around if light.reach == "background" else stage.subject
     best = (-math.inf, stage.place(light.azimuth, light.elevation, light.distance), 0.0)
     sides = (1.0, -1.0) if light.mirrored and light.azimuth else (1.0,)
@@ -187,7 +190,7 @@ def _best_place(light: RigLight, stage: LightStage) -> tuple[Tensor, float]:
 
 
 def _sun(light: RigLight, stage: LightStage) -> tuple[float, float] | None:
-    """Azimuth from the camera and elevation of a sun, in degrees; None if no sun reaches the subject."""
+    """(azimuth from the camera, elevation) of the best sun for a rig's light, degrees; None if no sun fits."""
     everywhere = [(float(a), e) for a in range(-180, 180, 12) for e in (8.0, 14.0, 22.0, 32.0, 44.0, 60.0)]
     sides = (1.0, -1.0) if light.mirrored and light.azimuth else (1.0,)
     near = [
@@ -226,7 +229,7 @@ def _in_the_open(light: RigLight, stage: LightStage, azimuth: float, elevation: 
 
 
 def _away(light: RigLight, azimuth: float, elevation: float) -> float:
-    """The cost of a direction by its distance from the one that the rig has, from 0 to 0.25."""
+    """The cost of a direction (azimuth from the camera, elevation) by its distance from the rig's, from 0 to 0.25."""
     sides = (light.azimuth, -light.azimuth) if light.mirrored else (light.azimuth,)
     aside = min(abs(_relative(azimuth - side)) for side in sides)
     return 0.125 * (aside / 180.0 + abs(elevation - light.elevation) / 90.0)

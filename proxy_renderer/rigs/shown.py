@@ -31,7 +31,7 @@ def wishes_of_rig(chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage
 
 
 def _structure(chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage) -> Iterator[tuple[str, ClaimText]]:
-    """Claims about some lights of a rig, each with the aspect of light that it is about."""
+    """(aspect of light, claim) for each claim about some `lights` of a rig; aspects as in `Asked`."""
     rig = chosen.rig
     key = next((each for each in lights if each.light.part == "key"), None)
     if rig.name == "silhouette":
@@ -56,7 +56,7 @@ def _structure(chosen: ChosenRig, lights: Sequence[Placed], stage: LightStage) -
 
 
 def _direction(key: Placed, stage: LightStage) -> Iterator[ClaimText]:
-    """The key's direction, as the camera sees it: a light from above is from the front to a camera that looks down."""
+    """Claims about the key's direction in the camera's view: if the camera looks down, light from above is frontal."""
     camera = np.array(orbit.frame(stage.front, stage.scene.value("camera/elevation")[0]))
     right, up, toward = (np.array(orbit.direction(key.azimuth, key.elevation)) @ camera).tolist()
     if max(abs(right), abs(up)) > 0.6:  # cosine

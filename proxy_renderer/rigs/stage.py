@@ -62,7 +62,7 @@ class LightStage:
         self.front = scene.value("camera/azimuth")[0]  # azimuth of the camera, degrees, as in `schema.orbit`
 
     def place(self, azimuth: float, elevation: float, radii: float) -> Tensor:
-        """(3,) a place at an azimuth from the camera, an elevation, and a distance from the subject's middle in its radii."""
+        """Place (3,) at a distance in subject radii, an azimuth from the camera and an elevation, both in degrees."""
         return self.middle + radii * self.radius * self._toward(azimuth, elevation)
 
     def _toward(self, azimuth: float, elevation: float) -> Tensor:
@@ -75,7 +75,7 @@ class LightStage:
         return azimuth, max(min(elevation, 88.0), -88.0), max(math.dist(offset, (0, 0, 0)), 1e-3)
 
     def reached(self, points: Points, place: Tensor) -> Tensor:
-        """(N,) share of light from a place (3,) that reaches points: what nothing blocks, times the cosine at the surface."""
+        """Share (N,) of light from a place (3,) that reaches points: what nothing blocks, times the cosine there."""
         offset = place[:, None] - points.position
         distance = offset.norm(dim=0).clamp_min(1e-6)
         return self.lit(points, offset / distance, distance)
@@ -92,7 +92,7 @@ class LightStage:
         return shown / max(count, 1)
 
     def sunlit(self, points: Points, azimuth: float, elevation: float) -> Tensor:
-        """(N,) as `reached`, of a sun at an azimuth from the camera and an elevation, in degrees."""
+        """Share (N,) as in `reached`, but for a sun at an azimuth from the camera and an elevation, in degrees."""
         toward = self._toward(azimuth, elevation)[:, None].expand_as(points.position).contiguous()
         return self.lit(points, toward, torch.full((len(points),), 1e30))
 
@@ -108,11 +108,11 @@ class LightStage:
         return clear / max(all_of_it, 1e-6)
 
     def lit(self, points: Points, toward: Tensor, distance: Tensor) -> Tensor:
-        """(N,) as `clear`, times the cosine at the surface."""
+        """Share (N,) as in `clear`, times the cosine at the surface."""
         return self.clear(points, toward, distance) * (points.normal * toward).sum(0).clamp_min(0.0)
 
     def clear(self, points: Points, toward: Tensor, distance: Tensor) -> Tensor:
-        """(N,) share of light that comes to points from directions (3, N) over distances (N,)."""
+        """Share (N,) of light that is not blocked on its way to points, from directions (3, N) over distances (N,)."""
         device = self.geometry.device
         return self.geometry.clear(points.position.to(device), toward.to(device), distance.to(device)).cpu()
 
@@ -129,7 +129,7 @@ class LightStage:
         return found
 
     def parts_of(self, materials: Collection[str]) -> Iterator[tuple[Tensor, float]]:
-        """For each object with one of some materials: middle (3,) and half diagonal of the box around the faces with it."""
+        """For each object with one of the materials: middle (3,) and half diagonal of the box around their faces."""
         mesh = self.scene.mesh
         numbers = [n for n, material in enumerate(self.scene.materials) if material.name in materials]
         wearing = np.isin(mesh.material, numbers).nonzero()[0]

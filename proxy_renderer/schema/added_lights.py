@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The lights that a vibe may add to a scene: one for each part and each of Blender's types, and suns with a pattern."""
+"""The lights that a vibe may add to a scene: one for each part of a rig and type of light, and suns with a pattern."""
 
 import math
 from dataclasses import dataclass
@@ -8,10 +8,10 @@ PARTS = ("key", "fill", "rim", "kicker", "accent", "practical", "background", "t
 """Parts that a light can play, as gaffers name them. The scene's own lights have the roles key, fill, rim and other."""
 _TYPES = {"AREA": "", "POINT": " Lamp", "SPOT": " Spot", "SUN": " Sun"}
 _ROLES = {"key": "key", "rim": "rim", "kicker": "rim"}
-PATTERNS = {"slats": " Blinds", "leaves": " Leaves"}  # pattern of a light's card -> end of the light's name
-CARD = "Vibe Card"  # the name of a card, which only shadow rays see
+PATTERNS = {"slats": " Blinds", "leaves": " Leaves"}  # pattern of a light's card (its mask) -> end of the light's name
+CARD = "Vibe Card"  # the name of a card, a mask in front of a light that only shadow rays see
 CARD_AWAY = 1.6  # how far in front of the subject's center a card stands, in sizes of the card
-_SLATS, _OPEN, _WINDOW, _FRAME = 9, 0.5, 1.3, 14.0  # number, open share, half window and frame
+_SLATS, _OPEN, _WINDOW, _FRAME = 9, 0.5, 1.3, 14.0  # number of slats, their open share, half widths of window and frame
 _LEAVES, _LEAF, _CROWN = 260, 0.17, 2.2  # number, half length of a leaf, radius of the crown
 _GOLDEN = 2.399963  # the golden angle, radians
 COLLECTION = "Vibe Lights"  # where added lights are, in the scene
@@ -28,7 +28,7 @@ class AddedLight:
 
     @property
     def role(self) -> str:
-        """Its role among the scene's lights."""
+        """Its role among the scene's lights: "key", "fill" or "rim"."""
         return role_of(self.part)
 
 
@@ -38,7 +38,7 @@ def role_of(part: str) -> str:
 
 
 def light_name(part: str, kind: str, pattern: str = "") -> str:
-    """The name of the light that plays a part: "Vibe Key Spot", "Vibe Key Blinds"."""
+    """The name of the added light for a part, a type of light and a pattern: "Vibe Key Spot", "Vibe Key Blinds"."""
     return f"Vibe {part.capitalize()}{PATTERNS[pattern] if pattern else _TYPES[kind]}"
 
 
@@ -49,7 +49,10 @@ Quad = tuple[tuple[float, float], tuple[float, float], tuple[float, float], tupl
 
 
 def card(pattern: str, size: float) -> list[Quad]:
-    """The opaque quads of a light's card, in meters, as the light sees them: a window with "slats", or "leaves"."""
+    """Corners (x, y) of a card's opaque quads around its center, in meters, as the light sees them.
+
+    The card is a mask in front of a light: a window with "slats", or "leaves". All lengths are multiples of its `size`.
+    """
     if pattern == "slats":
         pitch = 2 * _WINDOW / _SLATS
         rows = [-_WINDOW + pitch * i for i in range(_SLATS)]

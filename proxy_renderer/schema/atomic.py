@@ -11,7 +11,7 @@ from pathlib import Path
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """A temporary path next to a file. After the block it replaces the file; if the block raises, it is deleted."""
+    """A temporary path next to `path`. After the block its file replaces `path`; if the block raises, it is deleted."""
     part = path.with_name(f"{part_prefix()}{uuid.uuid4().hex[:8]}-{path.name}")
     try:
         yield part
@@ -22,12 +22,12 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def part_prefix(process: int | None = None) -> str:
-    """The beginning of the names of a process's unfinished files; by default this process's."""
+    """The first characters in names of unfinished files of a process, given by its id; None for this process."""
     return f".part-{process or os.getpid()}-"
 
 
 def write_text(path: Path, text: str) -> None:
-    """Writes a file as UTF-8, see `replacing`."""
+    """Writes a text file as UTF-8, whole or not at all, see `replacing`."""
     with replacing(path) as part:
         part.write_text(text, encoding="utf-8")
 

@@ -26,7 +26,7 @@ class VibeError(Exception):
 
 
 def quoted(text: str, most: int = 40) -> str:
-    """A text from a file in quotes for a message: on one line, cut after `most` characters."""
+    """A text in quotes for a message: escaped, so that it is on one line, and cut after `most` characters."""
     return repr(text if len(text) <= most else text[:most] + "…")
 
 
@@ -35,7 +35,7 @@ class UnexpectedError(VibeError):
 
 
 def to_show(error: BaseException, doing: str) -> VibeError:
-    """The error to show for any exception: a VibeError as it is, or an UnexpectedError whose log has the traceback."""
+    """The error to show: a VibeError as it is; else an UnexpectedError "while `doing`", whose log has the traceback."""
     if isinstance(error, VibeError):
         return error
     reason = " ".join(f"{type(error).__name__}: {error}".split())[:_LONGEST].rstrip(".: ")
@@ -44,7 +44,7 @@ def to_show(error: BaseException, doing: str) -> VibeError:
 
 
 def write_log(text: str) -> Path:
-    """Writes a new log, and deletes the oldest ones; returns the new log's path."""
+    """Writes a text to a new log, and deletes the oldest logs; returns the new log's path, even if the disk is full."""
     log = log_folder() / f"vibe-{time.strftime('%Y%m%d-%H%M%S')}-{os.getpid()}.log"
     with suppress(OSError):  # a full disk: the message still names the error
         log.write_text(f"{sys.version}\n{sys.platform}\n{text}\n", encoding="utf-8", errors="replace")

@@ -19,14 +19,14 @@ _UNITS |= {"": "", "deg": "°", "W/m2": " W/m²", "1/m": " /m"}
 
 
 def parameter(key: str) -> Parameter:
-    """The schema row of an instance's key."""
+    """The schema row of the key of an instance or of a family."""
     group, _, name = split_key(key)
     family = f"{group}/{name}"
     return LINKED if family == LINKED.family else FAMILIES[family]
 
 
 def words(name: str) -> str:
-    """A parameter's own name: "Base Color"."""
+    """A parameter's name as people read it: "Base Color" for "base_color"."""
     return _NAMES.get(name, name.replace("_", " ").title())
 
 
@@ -49,7 +49,7 @@ def title(key: str) -> str:
 
 
 def titles(keys: list[str], most: int = 3) -> str:
-    """Names for a note, not too many: "Key light: Power, Key light: Color and 2 more"."""
+    """The titles of up to `most` keys, and the number of others: "Key light: Power, Key light: Color and 2 more"."""
     return ", ".join(map(title, keys[:most])) + (f" and {len(keys) - most} more" if len(keys) > most else "")
 
 
@@ -73,7 +73,7 @@ def text(key: str, values: Values) -> str:
 
 
 def bare(key: str, values: Values) -> str:
-    """As `text`, but without the unit, where another value with the unit follows: the 400 of "400 → 160 W"."""
+    """The `text` of a value without its unit, for a place before a value with the unit: the 400 of "400 → 160 W"."""
     return text(key, values).removesuffix(_UNITS[parameter(key).unit])
 
 

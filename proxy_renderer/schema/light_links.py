@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Keys of light links, which only words set: "light/Rim (only on Bottle, Cap)/linked" is 1 for a link, else 0."""
+"""Keys of light links, set by words only: "light/Rim (only on Bottle, Cap)/linked" is 1 for a linked light, else 0."""
 
 import re
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ _OWNER = re.compile(rf"(.+?) \(({_ONLY}|{_NOT}) (.+)\)")
 
 
 class LightLink(NamedTuple):
-    """A link of a light to objects: it lights `only` these objects, or all objects but these."""
+    """A link of a light to objects: with `only`, the light lights no other objects; else it lights all but these."""
 
     light: str
     only: bool
@@ -37,7 +37,7 @@ class LightLink(NamedTuple):
 
 
 def link_of(key: str) -> LightLink | None:
-    """The link of a key; None for the key of another value."""
+    """The link that a key stands for; None for the key of any other parameter."""
     group, owner, name = split_key(key)
     found = _OWNER.fullmatch(owner) if f"{group}/{name}" == LINKED.family else None
     return LightLink(found[1], found[2] == _ONLY, tuple(found[3].split(_AND))) if found else None

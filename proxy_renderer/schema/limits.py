@@ -16,7 +16,7 @@ class Budget:
     rounds: int  # outer rounds of Algorithm 1
     steps: int  # most steps of the inner loop in each round
     size: int  # longer side of the images, pixels
-    starts: int  # points that a coarse first pass tries; 1 for the artist's scene alone
+    starts: int  # starting points that a coarse first pass tries; 1 for the artist's scene alone
     summary: str  # for whom it is, in words
 
 

@@ -12,13 +12,13 @@ _NUMBER = re.compile(r"\.\d+$")  # Blender appends it to a name that is taken
 
 
 def copy_name(material: str, wearers: Sequence[str]) -> str:
-    """The name of a material's copy for some objects, each by its name or by `every`; "" if it is too long for Blender."""
+    """The name of a material's copy for its wearers, names of objects or patterns of `every`; "" if it is too long."""
     name = f"{material}{_ON}{_AND.join(wearers)}{_END}"
     return name if len(name.encode()) <= _LONGEST else ""
 
 
 def copied(owner: str) -> tuple[str, str]:
-    """The original material and the wearers (as one text) in a copy's name; any other name itself, and ""."""
+    """(original material, wearers) in a copy's name: ("Paint", "Cup") of "Paint (on Cup)"; else (name, "")."""
     material, _, wearers = owner.removesuffix(_END).rpartition(_ON)
     return (material, wearers) if material and owner.endswith(_END) else (owner, "")
 
@@ -30,10 +30,10 @@ def copied_key(key: str) -> str:
 
 
 def every(name: str) -> str:
-    """A pattern for all objects of a name, whatever their numbers: "Chair.*" for "Chair.001"."""
+    """A pattern for all objects whose names differ only in the number: "Chair.*" for "Chair.001"."""
     return _NUMBER.sub("", name) + _ALL
 
 
 def is_worn_by(wearers: str, name: str) -> bool:
-    """True if an object is one of the wearers in a copy's name."""
+    """True if the object `name` is one of the wearers of a copy; `wearers` is the text that `copied` returns."""
     return not {name, every(name)}.isdisjoint(wearers.split(_AND))

@@ -36,7 +36,7 @@ class Shot:
 
 @dataclass(frozen=True)
 class Vibe:
-    """Blender → engine: work on the scene in the folder `job`."""
+    """Blender → engine: search for a prompt's look in the scene of the folder `job`; a `Result` answers."""
 
     schema: str  # Blender's schema hash
     job: str  # the job folder: of the first shot, if there are several
@@ -44,13 +44,13 @@ class Vibe:
     options: dict[str, Any] = field(default_factory=dict)  # the fields of `Options`
     # the model's key from the add-on's preferences; it goes through the pipe and nowhere else
     vlm_key: str = field(default="", repr=False)
-    shots: list[Shot] = field(default_factory=list)  # all of several shots; empty for a single one
-    looks: bool = False  # whether to send looks before the result, see `LookSoFar`
+    shots: list[Shot] = field(default_factory=list)  # all shots, if there are several; empty for a single one
+    looks: bool = False  # whether to send intermediate values before the result, see `LookSoFar`
 
 
 @dataclass(frozen=True)
 class Glance:
-    """Blender → engine: find values from the words alone, without a search; `Glanced` answers, empty after a `Stop`."""
+    """Blender → engine: find values from the words alone, without a search; `Glanced` answers, empty if stopped."""
 
     schema: str  # Blender's schema hash
     job: str  # the job folder; the engine keeps its scene for the next glance
@@ -60,11 +60,11 @@ class Glance:
 
 @dataclass(frozen=True)
 class AskReadings:
-    """Blender → engine: ask how these words are understood; `Readings` answer at once, even during a search."""
+    """Blender → engine: ask how a prompt's words are understood; `Readings` answer at once, even during a search."""
 
     schema: str  # Blender's schema hash
     prompt: str  # what the artist has typed so far
-    job: str = ""  # the job folder, with or without surfaces and textures; "" where nothing can be exported
+    job: str = ""  # the job folder, which may lack meshes and textures; "" if nothing can be exported
     # without a job: object that a render shows -> names of its materials
     objects: dict[str, list[str]] = field(default_factory=dict)
     lights: dict[str, str] = field(default_factory=dict)  # without a job: light -> its type, such as "AREA"
@@ -80,23 +80,23 @@ class WordReading:
     meaning: str = ""  # its effect in words for the artist: "describes Vase"
     others: list[str] = field(default_factory=list)  # known words that may be meant instead, likeliest first
     key: str = ""  # its name in a target: "red#2" for the second "red"
-    # names of what it may describe: first the chosen one, then by probability; see `schema/targets.py`
+    # names of targets that it may describe: the chosen one first, then by probability; see `schema/targets.py`
     candidates: list[str] = field(default_factory=list)
-    targets: list[str] = field(default_factory=list)  # names of what else it can describe
+    targets: list[str] = field(default_factory=list)  # names of all other targets that it can describe
 
 
 @dataclass(frozen=True)
 class Readings:
-    """Engine → Blender: the answer to an `AskReadings`; of several, only the newest is answered."""
+    """Engine → Blender: the answer to an `AskReadings`; if several wait, only the newest is answered."""
 
-    prompt: str  # the words that it is about
+    prompt: str  # the prompt of the request
     words: list[WordReading] = field(default_factory=list)  # its look words and the words left out, in order
-    note: str = ""  # why nothing is understood, in a sentence for the artist; "" where something is
+    note: str = ""  # why nothing is understood, in a sentence for the artist; "" if something is understood
 
 
 @dataclass(frozen=True)
 class LookSoFar:
-    """Engine → Blender: values on the way to the result, shown in the scene until better ones come."""
+    """Engine → Blender: intermediate values of a search, shown in the scene until better ones come."""
 
     values: dict[str, list[float]]  # as those of `Result`
     picture: str = ""  # the proxy's image of the values, a file name in the job folder; "" before it is drawn
@@ -112,18 +112,18 @@ class Glanced(LookSoFar):
 
 @dataclass(frozen=True)
 class Stage:
-    """Engine → Blender: what the engine does outside the loop, for a status line."""
+    """Engine → Blender: the work of the engine outside the search loop, for a status line."""
 
     name: str
-    # when the loop begins, the image of the artist's own values, a file name in the job folder; else "". If `Vibe`
-    # asks for `looks`, it comes twice: the second image is corrected by an anchor
+    # when the loop begins, the proxy's image of the artist's own values, a file name in the job folder; else "". If
+    # `Vibe` asks for `looks`, this message comes twice: the second image is corrected by an anchor, a Cycles render
     picture: str = ""
     lit: bool = True  # False if that image is black, and stays black with all that the words ask for
 
 
 @dataclass(frozen=True)
 class Progress:
-    """Engine → Blender: how far the loop is. Rounds and steps count from 1."""
+    """Engine → Blender: the progress of the search loop. Rounds and steps count from 1."""
 
     round: int
     rounds: int
@@ -203,8 +203,8 @@ class Finish:
 class Finished:
     """Engine → Blender: how close the prediction is, and whether the words are visible."""
 
-    # CIEDE2000 between a prediction and `after`: for the one "shown" and, with the option `figures`, for those without
-    # the last anchor ("before_last_anchor") and without any ("unanchored"). Each has the `mean` and `p95` over all
+    # CIEDE2000 between `after` and each prediction: "shown" and, with the option `figures`, the one without the last
+    # anchor ("before_last_anchor") and the one without any ("unanchored"). Each has the `mean` and `p95` over all
     # pixels, and the mean over the `subject`, if it is visible
     prediction: dict[str, dict[str, float]]
     similarity: dict[str, float]  # {"before": s, "after": s}, cosine of image and prompt
@@ -218,7 +218,7 @@ class Finished:
 
 @dataclass(frozen=True)
 class Check:
-    """Blender → engine: measure the last vibe's words at another frame; `job` was exported there, with the look."""
+    """Blender → engine: measure the last vibe's words at another frame; `job` is an export of it, with the look."""
 
     job: str
     before: str  # Cycles' render of the frame without the look, a PNG path
@@ -227,14 +227,14 @@ class Check:
 
 @dataclass(frozen=True)
 class Checked:
-    """Engine → Blender: whether the words are visible at a frame."""
+    """Engine → Blender: the answer to a `Check`."""
 
     verdicts: list[dict[str, str]]  # as in `Finished`
 
 
 @dataclass(frozen=True)
 class Error:
-    """Engine → Blender: the request failed; the engine is still there for another one."""
+    """Engine → Blender: the request failed; the engine goes on, and takes another one."""
 
     message: str
     remedy: str = ""
@@ -253,17 +253,17 @@ Message = (
 
 _TYPES: dict[str, type] = {message.__name__: message for message in get_args(Message)}
 _ROWS = {"Vibe": ("shots", Shot), "Readings": ("words", WordReading), "Result": ("variants", Variant)}
-"""Message -> a field whose rows are objects of a class; JSON has them as dictionaries."""
+"""Message -> (field that is a list of objects, the objects' class); in JSON these objects are dictionaries."""
 
 
 def encode(message: Message) -> bytes:
-    """The wire form: UTF-8 JSON and a NUL byte."""
+    """The wire form of a message: UTF-8 JSON and a NUL byte."""
     body = {"type": type(message).__name__, **asdict(message)}
     return json.dumps(body, ensure_ascii=False, allow_nan=False).encode() + b"\0"
 
 
 def decode(raw: bytes) -> Message:
-    """Inverse of `encode`, with or without the NUL byte."""
+    """The message of a wire form, with or without its NUL byte: inverse of `encode`. Raises VibeError for others."""
     text = raw.decode(errors="replace")
     try:
         body = json.loads(text.rstrip("\0"))
@@ -286,17 +286,18 @@ def read(stream: BinaryIO) -> Iterator[Message]:
 
 
 def check_schema(theirs: str, who: str) -> None:
-    """Raises VibeError if the other process has another parameter table than this process."""
+    """Raises VibeError if `theirs`, the schema hash of the other process (named `who`), is not that of this process."""
     if theirs != schema_hash():
         problem = f"The {who} has another parameter table ({theirs or 'none'} instead of {schema_hash()})."
         raise VibeError(problem, "Install the same version of vibe-render for Blender and for the engine.")
 
 
 def word_states(rows: Sequence[Mapping[str, Any]]) -> dict[str, str]:
-    """Word with measured claims -> the first state in `_STRONGEST` that one of its claims has; `rows` as in `Finished`.
+    """Word -> its state, for each word with a measured claim; `rows` are the `claims` of `Finished`.
 
-    A claim is "missed" if it is not satisfied, "unmeasured" if judges do not see what its measure reads, "visible" if
-    the run satisfied it, and "already" if it was satisfied before.
+    A claim is "missed" if it is not satisfied. Else it is "unmeasured" if judges do not see what its measure reads,
+    "already" if it was satisfied before, and "visible" if the run satisfied it. Of the states of a word's claims, the
+    first in `_STRONGEST` counts.
     """
     states: dict[str, str] = {}
     for row in rows:
@@ -308,7 +309,7 @@ def word_states(rows: Sequence[Mapping[str, Any]]) -> dict[str, str]:
 
 
 def words_of(row: Mapping[str, Any]) -> tuple[str, ...]:
-    """The words of the prompt that a claim belongs to; none for a claim that every image has to satisfy."""
+    """The prompt's words that a claim, a row of `Finished`, belongs to; () for one that every image has to satisfy."""
     return tuple(word for word in (row["word"], *row.get("also", ())) if word)
 
 

@@ -20,7 +20,9 @@ def direction(azimuth: float, elevation: float) -> Vector:
 
 
 def angles(vector: Sequence[float]) -> tuple[float, float]:
-    """Azimuth in (-180, 180] and elevation in [-90, 90], the inverse of `direction`; straight up or down, azimuth 0.
+    """Azimuth in (-180, 180] and elevation in [-90, 90] of a vector, degrees: the inverse of `direction`.
+
+    The azimuth of a vertical vector is 0.
 
     >>> angles((2.0, 0.0, 0.0)), angles((0.0, 0.0, 1.0))
     ((90.0, 0.0), (0.0, 90.0))
@@ -30,7 +32,7 @@ def angles(vector: Sequence[float]) -> tuple[float, float]:
 
 
 def frame(azimuth: float, elevation: float) -> Matrix:
-    """Rotation of a camera that looks at the subject, as rows of a 3x3 matrix; its columns: right, up, to the viewer."""
+    """Rotation of a camera that looks at the subject, rows of a 3x3 matrix. Its columns: right, up, to the viewer."""
     a = math.radians(azimuth)
     zx, zy, zz = direction(azimuth, elevation)
     xx, xy = math.cos(a), math.sin(a)

@@ -25,19 +25,19 @@ ROLES: dict[str, str] = {  # role -> the parameter group of its values; a camera
     **{group: group for group in ("world", "volume", "film")},
 }
 
-Entry = dict[str, list[float]]  # of one material or light: name -> components, in multiples of the reference
+Entry = dict[str, list[float]]  # of one owner: parameter name -> components, in multiples of the instance's reference
 
 LIGHT_TYPES = tuple(dict.fromkeys(t for p in PARAMETERS if p.group == "light" for t in p.only))
 """Blender's types of light."""
 
-LARGEST = 1_000_000  # bytes of a file; one with a hundred materials has a tenth of that
+LARGEST = 1_000_000  # most bytes of a preset file; a file with a hundred materials has a tenth of that
 _FIELDS = {"format", "version", "name", "prompt", "roles", "kinds", "goals"}
 _OURS = "Use a preset that Vibe Render has written."
 
 
 @dataclass(frozen=True)
 class Preset:
-    """A look."""
+    """A look by role, as a preset file keeps it."""
 
     name: str  # its title
     roles: dict[str, list[Entry]]  # role -> its entries, the most visible or brightest first
@@ -98,7 +98,7 @@ def loads(text: str) -> Preset:
 
 
 def _text(raw: dict[str, Any], name: str, most: int) -> str:
-    """A field's text on one line, without unprintable characters; one above `most` characters as by `title`."""
+    """The text of a field of `raw` on one line, without unprintable characters; if longer than `most`, its `title`."""
     value = raw.get(name, "")
     if not isinstance(value, str) or len(value) > LONGEST_PROMPT:
         raise VibeError(f"The preset's {name} is not a short text.", f"Write at most {most} characters.")
@@ -128,6 +128,6 @@ def _check_role(role: str, entries: Any) -> None:
 
 
 def clamped(group: str, values: Mapping[str, Sequence[float]]) -> Entry:
-    """An entry with its values, multiples of the reference, clamped to the bounds that `loads` accepts."""
+    """Parameter name -> value (a multiple of the reference), clamped to the schema's bounds, which `loads` checks."""
     rows = ((name, FAMILIES[f"{group}/{name}"], value) for name, value in values.items())
     return {name: [min(max(float(v), row.lower), row.upper) for v in value] for name, row, value in rows}

@@ -13,10 +13,13 @@ TABLE_TOE, TABLE_STOPS = 2.0**-10, 16.0  # the color table's axis: TOE · (2 ** 
 
 
 def unit_energy(light_type: str, distance: float = 1.0) -> float:
-    """The energy that gives a white diffuse surface, facing the light, a radiance of 1: W at a distance in m; a sun's W/m²."""
+    """Energy with which a light gives a white diffuse surface facing it a radiance of 1.
+
+    It is in watts for a light at a `distance` in meters, and in W/m² for a sun.
+    """
     return _UNIT_ENERGY[light_type] * (1.0 if light_type == "SUN" else distance**2)  # a sun's is an irradiance
 
 
 def radiance(light_type: str, energy: float, distance: float = 1.0, stops: float = 0.0) -> float:
-    """Radiance of a white diffuse surface that faces a light; units as for `unit_energy`, brightened by `stops`."""
+    """Radiance of a white diffuse surface that faces a light; `energy` as in `unit_energy`, brightened by `stops`."""
     return energy * 2.0**stops / unit_energy(light_type, distance)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Parses further sentences: those about earlier steps; others are rewritten in the form of prompts."""
+"""Parses further sentences, which go on from a result: requests about earlier steps; others become prompts."""
 
 import re
 import tomllib
@@ -44,7 +44,7 @@ _PLAINER = [(_pattern(text), word) for text, word in _TABLES["plainer"]]
 _PRONOUNS = ("it", "this", "that", "i", "we", "they", "these", "those", "there", "still")
 _WORDS = "|".join(sorted(_FACTORS, key=len, reverse=True))
 _POWERFUL = rf"\b(?P<factor>{_WORDS}) as (?:strong|bright|intense|powerful)\b"
-# "a third darker" is no third of it
+# without "a third" and the like: "a third darker" is not a third of the brightness
 _TIMES = "|".join(word for word in _FACTORS if not word.startswith("a "))
 _COMPARED = rf"\b(?P<factor>{_TIMES})(?: as(?: much)?)?(?: of)?(?: the)? (?!but |and )(?=\w)"
 _MULTIPLE = r"\b(?P<number>\d{1,2}(?:\.\d+)?) ?(?:x|×|times)(?: as)? (?P<what>brighter|stronger|darker|dimmer|weaker|more|less)\b"
@@ -58,11 +58,11 @@ class AboutSteps(NamedTuple):
     """The request of a sentence about earlier steps."""
 
     kind: Literal["show", "between", "strength", "without", "instead", "except"]
-    number: int = -1  # of the step: 0 is the scene before the first one; -1 the one before the last
-    factor: float = 1.0
-    what: str = ""  # the word or target that is taken back, or that stays
-    new: str = ""  # the target that gets the look instead
-    rest: str = ""  # the sentence to follow after the return to a step
+    number: int = -1  # of the step to show: 0 is the scene before the first step, -1 the step before the shown one
+    factor: float = 1.0  # on the strength of the last step
+    what: str = ""  # the word or target that is taken back, or that stays; for "show" and "between" a word of the step
+    new: str = ""  # the target that gets the look instead of `what`
+    rest: str = ""  # the further sentence that applies after the return to the step
 
 
 class PlainSentence(NamedTuple):
@@ -70,7 +70,7 @@ class PlainSentence(NamedTuple):
 
     text: str
     factor: float = 0.0  # of its comparison: 2 for "twice as much fog"; 0 if it has none
-    compared: str = ""  # the text from the word that the factor is of
+    compared: str = ""  # the end of `text`, from the word that the factor belongs to
 
 
 def about_steps(sentence: str) -> AboutSteps | None:
@@ -93,7 +93,7 @@ def about_steps(sentence: str) -> AboutSteps | None:
 
 
 def _about_steps(text: str) -> AboutSteps | None:
-    """The request about earlier steps in one clause; None without one."""
+    """The request about earlier steps in one clause; None if the clause has none."""
     for kind, form in _FORMS:
         if not (found := form.fullmatch(text) or form.fullmatch(_PATTERNS["lead"].sub("", text))):
             continue
@@ -149,7 +149,7 @@ def plain(sentence: str) -> PlainSentence:
 
 
 def _with_factor(text: str) -> tuple[str, float, int]:
-    """A text with a comparative in the place of its factor, the factor, 0 if there is none, and where the factor was."""
+    """(text with a comparative in place of its factor, the factor, the factor's index); (text, 0, 0) without one."""
     factor, word = 0.0, ""
     if found := _PATTERNS["stops"].search(text):
         clause = re.split(r"[,;.]", text[: found.start()])[-1]
@@ -192,14 +192,14 @@ def _compared(comparative: str, found: re.Match[str]) -> str:
 
 
 def _rewritten(text: str, table: Iterable[tuple[re.Pattern[str], str]]) -> str:
-    """A text with other words in the place of what the patterns of a table match, one after the other."""
+    """A text after the replacements of a table in their order; a row has a pattern, and the words for its matches."""
     for pattern, words in table:
         text = " ".join(pattern.sub(words, text).split())
     return text
 
 
 def _wish(text: str) -> str:
-    """The request of a sentence, without what it says about the present look and without reasons."""
+    """The request of a sentence, without clauses about the present look and without reasons; "" if it has none."""
     text = _PATTERNS["reason"].sub("", _PATTERNS["resembles"].sub("", text))
     text = _PATTERNS["needs"].sub(", ", text).strip(" ,")
     if found := _PATTERNS["question"].match(text):

@@ -15,7 +15,7 @@ MeasureFunction = Callable[[MeasuredPicture, Tensor], Tensor]  # the numbers (n,
 
 
 def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Difference from the darkest to the lightest twentieth, each of the region or of the subject in it, if more extreme: (1,) L*."""
+    """Span from darkest to lightest twentieth of a region, or of the subject in it if more extreme: (1,) L*."""
     subject = region_of(picture.seen, "subject") & where
     parts = [where, subject] if subject.sum() >= FEW else [where]
     dark, light = (torch.stack([lightness_below(picture, part, share) for part in parts]) for share in (0.05, 0.95))
@@ -23,13 +23,13 @@ def contrast(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def vignette(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Darkness of a corner relative to the middle ring: (1,) L*. It is the second least dark, for side light darkens two corners."""
+    """Darkness of the second least dark corner relative to the middle ring: (1,) L*. Side light darkens two corners."""
     falls = corner_falls(picture)
     return falls[min(1, len(falls) - 1)][None] if len(falls) else picture.lab.new_zeros(1)
 
 
 def corner_falls(picture: MeasuredPicture) -> Tensor:
-    """Darkness of each corner relative to the middle ring in its quarter, without the subject: (n,) L*, n <= 4, the least first."""
+    """Darkness of each corner without the subject, relative to the middle ring: (n,) L*, n <= 4, the least first."""
     light, free = picture.lab[..., 0], region_of(picture.seen, "surroundings")
     height, width = light.shape
     # Centers of pixels, in [-1, 1], and their radii as shares of half the image's diagonal
@@ -51,7 +51,7 @@ def standing_out(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def silhouette(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Darkness of a region relative to the surroundings, minus half the difference between its own lightest and darkest tenth: (1,) L*."""
+    """Darkness of a region relative to the surroundings, minus half of the region's `spread`: (1,) L*."""
     return -standing_out(picture, where) - 0.5 * spread(picture, where)
 
 
@@ -66,7 +66,7 @@ def separation(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def beyond(level: float, way: int) -> MeasureFunction:
-    """The measure of the share of a region above an L*, or below for a `way` of -1, by a soft step: (1,) in [0, 1]."""
+    """A measure: the share of a region above an L* (`way` 1) or below it (`way` -1), by a soft step: (1,) in [0, 1]."""
     return lambda picture, where: torch.sigmoid(2 * way * (picture.lab[..., 0][where] - level)).mean()[None]
 
 
@@ -86,8 +86,8 @@ def lightness_below(picture: MeasuredPicture, where: Tensor, share: float) -> Te
 def color(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Color of a region as people name it, without its deepest shadows and its highlights: (3,) OKLab, times 100.
 
-    Lightness is a mean weighted by chroma, so that reflections of a white wall count little. Hue and chroma are the mean of the
-    darker pixels: on gloss, the hue of the lightest 0.4 is that of the light.
+    Lightness is a mean weighted by chroma, so that reflections of a white wall count little. Hue and chroma are those
+    of the mean of the darker 60 % of pixels: on gloss, the lighter pixels have the hue of the light.
     """
     light, seen = picture.oklab[..., 0].detach()[where], picture.oklab[where]
     low, matte, high = torch.quantile(light, light.new_tensor([0.1, 0.6, 0.9]))
@@ -103,7 +103,7 @@ def tint(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def accent(picture: MeasuredPicture, where: Tensor, direction: Tensor) -> Tensor:
-    """Mean distance from gray along a hue, a unit vector (2,) in a* b*, of the tenth of a region that lies farthest along it: (1,)."""
+    """Mean distance from gray along a hue (2,) in a* b*, of the tenth of a region that is farthest along it: (1,)."""
     along = picture.lab[..., 1:][where] @ direction
     return along[along.detach() >= torch.quantile(along.detach(), 0.9)].mean()[None]
 
@@ -143,7 +143,7 @@ def warmth(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def warmth_between(low: float, high: float) -> MeasureFunction:
-    """The measure of the `warmth` of the pixels between two shares, in [0, 1], of a region in order of lightness: (1,)."""
+    """A measure: the `warmth` (1,) of a region's pixels between two ranks in lightness, from 0 (darkest) to 1."""
 
     def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
         light = picture.lab[..., 0].detach()
@@ -174,12 +174,12 @@ def chromaticity(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def chromaticity_of(mean: Tensor) -> Tensor:
-    """a and b (2,) of a mean color (3,), OKLab times 100, scaled to the lightness 60: a change of exposure leaves them as they are."""
+    """a and b (2,) of a mean color (3,), OKLab times 100, scaled to the lightness 60: exposure does not change them."""
     return mean[1:] * (60.0 / mean[0].clamp_min(20.0))
 
 
 def tone(share: float) -> MeasureFunction:
-    """The measure of the lightness below which a share of a region's pixels lies: (1,) L*."""
+    """A measure: the lightness below which a share of a region's pixels lies: (1,) L*."""
     return lambda picture, where: lightness_below(picture, where, share)[None]
 
 
@@ -189,7 +189,10 @@ def spread(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def cast_between(low: float, high: float) -> MeasureFunction:
-    """The measure of the cast, (2,) in a* and b*, of the pixels between two shares, in [0, 1], of a region in order of lightness."""
+    """A measure: the cast of a region's pixels between two ranks in lightness, from 0 (darkest) to 1.
+
+    A cast (2,) is a mean of a* and b* in which near-gray pixels count most.
+    """
 
     def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
         lab = picture.lab[where]
@@ -202,7 +205,10 @@ def cast_between(low: float, high: float) -> MeasureFunction:
 
 
 def across(axis: int, way: int) -> MeasureFunction:
-    """The measure of the lightness of a region's last third along an axis (0 down, 1 right) less that of the first: (1,) L*, times `way`."""
+    """A measure: lightness of a region's last third along an axis (0 down, 1 right) minus that of the first: (1,) L*.
+
+    With a `way` of -1 it is the first third's minus the last's.
+    """
 
     def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
         place = where.nonzero()[:, axis].to(picture.lab)
@@ -221,7 +227,7 @@ def veil(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def grayness(lab: Tensor) -> Tensor:
-    """Weights (N,), of sum 1 and without gradients, of pixels (N, 3) CIE Lab in a cast. Black counts little: it is gray in any light."""
+    """Weights (N,), of sum 1 and without gradients, of pixels (N, 3) CIE Lab in a cast. Black pixels count little."""
     lab = lab.detach()
     # Half for C* 10, about what people call gray; less below L* 25
     weights = (lab[:, 0] / 25.0).clamp(0.02, 1.0) / (1 + lab[:, 1:].square().sum(-1) / 10.0**2)

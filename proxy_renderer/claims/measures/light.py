@@ -20,7 +20,7 @@ _MIRROR_HIGHLIGHTS = 0.99  # share of a region's pixels, the darkest, that are n
 
 
 def light_along(axis: int) -> MeasureFunction:
-    """The measure of how much light comes from the right (axis 0), from above (1) or from the camera (2): (1,) in [-1, 1]."""
+    """A measure: amount of light from the right (axis 0), from above (1) or from the camera (2): (1,) in [-1, 1]."""
 
     def take(picture: MeasuredPicture, where: Tensor) -> Tensor:
         # Direction from which a region is lit, by a fit of a + b · n to luminance; shorter than 1 if that is unclear
@@ -44,7 +44,10 @@ def light_along(axis: int) -> MeasureFunction:
 
 
 def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """The steepest slopes of light on smooth and even surfaces, as at shadow edges: (1,) stops per pixel of an image 192 pixels long."""
+    """Mean of the steepest slopes of light on smooth and even surfaces, as at shadow edges: (1,) stops per pixel.
+
+    A pixel is here 1 / 192 of the image's longer side.
+    """
     seen = picture.seen
     material = seen.material.float()
     same = largest_around(material, 5) == -largest_around(-material, 5)
@@ -58,7 +61,10 @@ def hardness(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def _steepest(field: Tensor, where: Tensor, low: float, high: float) -> Tensor:
-    """(1,) mean slope of a field (H, W) between two shares of a region in order of slope, per pixel of an image 192 pixels long."""
+    """Mean slope (1,) of a field (H, W) over a region's pixels between two ranks in slope, from 0 (flattest) to 1.
+
+    It is per pixel, which is here 1 / 192 of the image's longer side.
+    """
     if where.sum() < FEW:
         return field.new_zeros(1)
     rows, columns = torch.gradient(field)
@@ -120,7 +126,7 @@ def gloss(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def _beside(light: Tensor, where: Tensor, material: Tensor, normal: Tensor, step: tuple[int, int]) -> Tensor:
-    """The light (H, W) of the pixel a step away; infinite if that pixel is outside of the region, of another material or past an edge."""
+    """Light (H, W) of the pixel a step away; infinite outside of the region, on another material or past an edge."""
     same = _moved(material, step, -2) == material
     bent = (_moved(normal, step, 0.0) * normal).sum(-1) < _BEND
     return torch.where(_moved(where, step, False) & same & ~bent, _moved(light, step, torch.inf), torch.inf)
@@ -146,7 +152,7 @@ def haze(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def mist_below(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Share of light that the air takes from the lowest fifth of a target minus that from the highest: (1,), large in ground mist."""
+    """Share of light that the air takes from the lowest fifth of a target minus that from the highest fifth: (1,)."""
     row = where.nonzero()[:, 0].to(picture.seen.transmittance)
     high, low = torch.quantile(row, row.new_tensor([_END, 1 - _END]))
     passing = picture.seen.transmittance[where]
@@ -162,9 +168,9 @@ def air_lightness(picture: MeasuredPicture, where: Tensor) -> Tensor:
 def unscattered(picture: MeasuredPicture, where: Tensor) -> Tensor:
     """Share of the variance of light on a surface that comes from mirrored or transmitted images of other objects: (1,).
 
-    Scattered light changes slowly with a surface's direction and place (Ramamoorthi and Hanrahan 2001). A fit that is linear in the
-    normal and quadratic in the place has nearly all of it, and the rest is counted. Metal and glass scatter nothing. Shadows and
-    creases change quickly too, so that intricate objects always have some of this share.
+    Scattered light changes slowly with a surface's direction and place (Ramamoorthi and Hanrahan 2001). A fit that is
+    linear in the normal and quadratic in the place has nearly all of it; the rest is counted. Metal and glass scatter
+    nothing. Shadows and creases change quickly too, so that intricate objects always have some of this share.
     """
 
     def share(light: Tensor, normal: Tensor, place: Tensor) -> Tensor:
@@ -179,7 +185,7 @@ def unscattered(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def sheen(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Glow of a surface toward its edges, as on velvet: (1,) its value at 60 degrees from the normal, relative to the mean light."""
+    """Glow of a surface toward its edges, as on velvet: (1,) at 60° from the normal, relative to the mean light."""
 
     def rise(light: Tensor, normal: Tensor, place: Tensor) -> Tensor:
         kept = light <= torch.quantile(light.detach(), _MIRROR_HIGHLIGHTS)
@@ -192,7 +198,10 @@ def sheen(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def sharpness(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """Sharpness of reflections: the steepest slopes of lightness inside of surfaces, (1,) L* per pixel of an image 192 pixels long."""
+    """Sharpness of reflections: mean of the steepest slopes of lightness inside of surfaces, (1,) L* per pixel.
+
+    A pixel is here 1 / 192 of the image's longer side.
+    """
     material = picture.seen.material.float()
     same = largest_around(material, 3) == -largest_around(-material, 3)
     inside = where & same & ~(largest_around(~where, 5) > 0)
@@ -200,7 +209,10 @@ def sharpness(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def _by_material(picture: MeasuredPicture, where: Tensor, take: Callable[[Tensor, Tensor, Tensor], Tensor]) -> Tensor:
-    """(1,) mean over materials, weighted by their n pixels, of `take`(light (n,), normals (n, 3), places (n, 2)); 0 if all are small."""
+    """Mean (1,) over materials, weighted by their n pixels, of `take`(light (n,), normals (n, 3), places (n, 2)).
+
+    It is 0 if all materials are small.
+    """
     seen, found = picture.seen, []
     where = where & (seen.normal.norm(dim=-1) > 0.5)
     for number in seen.material[where].unique():
@@ -216,7 +228,7 @@ def _by_material(picture: MeasuredPicture, where: Tensor, take: Callable[[Tensor
 
 
 def _fitted(basis: Tensor, light: Tensor) -> tuple[Tensor, Tensor]:
-    """The least-squares fit of light (n,) by the k columns of a basis (n, k) and a constant: weights (k + 1,), fitted light (n,)."""
+    """(weights (k + 1,), fitted light (n,)) of the least-squares fit of light (n,) by a basis (n, k) and a constant."""
     columns = torch.cat((basis, torch.ones_like(basis[:, :1])), 1)
     scale = columns.norm(dim=0).clamp_min(1e-6)
     even = columns / scale

@@ -50,9 +50,9 @@ class MeasuredPicture:
     def in_white_light(self, where: Tensor) -> MeasuredPicture:
         """The same image as it looks to people who have adapted to the light in the region `where`.
 
-        A white car in blue light looks nearly white, and a red one in dim light red. Each type of cone adapts independently (von
-        Kries 1902), to a degree of 0.7 to that light and for the rest to the image's own white (Fairchild 2020). A region brighter than
-        white would be in that light glows, and keeps its colors.
+        A white car in blue light looks nearly white, and a red one in dim light red. Each type of cone adapts
+        independently (von Kries 1902), to a degree of 0.7 to that light and for the rest to the image's own white
+        (Fairchild 2020). A region that is brighter than a white surface in that light glows, and keeps its colors.
         """
         gray = None if self.seen.gray is None else linear_from_srgb(self.seen.gray[where]).mean(0)
         if gray is None or luminance(gray) < 1e-4:
@@ -85,7 +85,7 @@ def is_black(display: Tensor) -> bool:
 
 
 def region_of(seen: GBuffer, part: Part, materials: tuple[str, ...] = ()) -> Bool[Tensor, "h w"]:
-    """The pixels that lie wholly in a part of the image; if materials are named, the pixels that show one of them instead."""
+    """The pixels in a part of the image or, if materials are named, those that show one of them; without outlines."""
     if materials:
         numbers = [i for i, name in enumerate(seen.materials) if name in materials]
         return _inner(torch.isin(seen.material, torch.tensor(numbers, device=seen.material.device)))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks of the options of a vibe, whichever side reads them. A mistake raises VibeError."""
+"""Checks of a vibe's options, for `vibe`, the Blender process and manifests. A mistake raises VibeError."""
 
 import argparse
 import itertools
@@ -16,7 +16,7 @@ from .table import TABLE, TRAITS, Option
 
 
 def frame_numbers(text: str) -> list[int]:
-    """Frames as people write them: "1,50,100-110"; none from "". Raises VibeError for anything but numbers and ranges.
+    """Frame numbers in a text such as "1,50,100-110", each once; [] for "". Raises VibeError for any other form.
 
     >>> frame_numbers("1, 50, 100-102, 50")
     [1, 50, 100, 101, 102]
@@ -32,7 +32,11 @@ def frame_numbers(text: str) -> list[int]:
 
 
 def prompt(text: str, like: str = "", goals: str = "", then: Sequence[str] = ()) -> str:
-    """The prompt. Raises VibeError if there is nothing to search for, an empty or too long text, or goals with a prompt."""
+    """The prompt `text`, unchanged, after checks.
+
+    Raises VibeError if all arguments are empty, if there are a prompt and `goals` (a file), or if one of the further
+    sentences, `then`, is empty. The prompt and each sentence may have `LONGEST_PROMPT` characters at most.
+    """
     if text.strip() and goals:
         raise VibeError("There are a prompt and goals.", "Leave out one of --prompt and --goals.")
     if not all(map(str.strip, then)):
@@ -47,7 +51,7 @@ def prompt(text: str, like: str = "", goals: str = "", then: Sequence[str] = ())
 
 
 def moments(given: argparse.Namespace) -> list[tuple[int, str]]:
-    """Frames and looks of `--moments`; empty with `--markers` or without moments. Refuses options that contradict them."""
+    """(frame, look) pairs of `--moments`; [] without it. Raises VibeError for options that contradict moments."""
     text, markers = getattr(given, "moments", ""), getattr(given, "markers", False)
     if not (text.strip() or markers):
         return []
@@ -62,7 +66,7 @@ def moments(given: argparse.Namespace) -> list[tuple[int, str]]:
 
 
 def shots(given: argparse.Namespace, several: bool) -> None:
-    """Refuses options for a single shot if there are several, and what does not fit `--steady`."""
+    """Raises VibeError for options that need a single shot if there are `several`, or that do not fit `--steady`."""
     if given.steady and not given.check_every:
         raise VibeError("--steady has no frames to hold at.", "Say which are checked: --check-every 10.")
     for name in ("then", "check_every", "offset_keys"):
@@ -74,7 +78,7 @@ def shots(given: argparse.Namespace, several: bool) -> None:
 
 
 def timed(text: str) -> list[tuple[int, str]]:
-    """Frames and looks as people write them; raises VibeError for any other form, or for a single moment.
+    """(frame, look) pairs of a text "FRAME: LOOK; FRAME: LOOK". Raises VibeError for other forms, and as `in_order`.
 
     >>> timed("1: noon; 120: the cup: copper, at dusk")
     [(1, 'noon'), (120, 'the cup: copper, at dusk')]
@@ -90,7 +94,7 @@ def timed(text: str) -> list[tuple[int, str]]:
 
 
 def in_order(found: list[tuple[int, str]]) -> list[tuple[int, str]]:
-    """The moments as they are; raises VibeError unless they are at least two, each at a later frame than the last."""
+    """The (frame, look) pairs, unchanged. Raises VibeError unless they are at least two, with ascending frames."""
     if len(found) < 2:
         remedy = "Add a second one, or use --prompt with --frames."
         raise VibeError("There is only one moment." if found else "There are no moments.", remedy)
@@ -102,7 +106,7 @@ def in_order(found: list[tuple[int, str]]) -> list[tuple[int, str]]:
 
 
 def numbers(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> None:
-    """Fills in the numbers that the effort decides; raises VibeError for a number out of its option's bounds."""
+    """Sets numbers that are None to those of the effort. Raises VibeError for a number outside its option's bounds."""
     for name in limits.NUMBERS if hasattr(given, "effort") else ():
         if getattr(given, name, 0) is None:
             setattr(given, name, getattr(limits.BUDGETS[given.effort], name))
@@ -114,7 +118,7 @@ def numbers(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> None:
 
 
 def _listed(given: Sequence[str], known: Sequence[str], problem: str) -> list[str]:
-    """Names in "a,b" lists, each once. An unknown one is a VibeError: `problem`, with the name for its {}."""
+    """The names in texts such as "a,b", each once. Raises VibeError, with the message `problem`, for an unknown one."""
     names = list(dict.fromkeys(name for part in given for name in re.split(r"[,\s]+", part) if name))
     for name in names:
         if name not in known:
@@ -123,7 +127,7 @@ def _listed(given: Sequence[str], known: Sequence[str], problem: str) -> list[st
 
 
 def groups(given: Sequence[str]) -> list[str]:
-    """Group names from "a,b" lists, each once. Raises VibeError if there is no group of that name."""
+    """Parameter groups in texts such as "a,b", each once. Raises VibeError for unknown groups, or texts without any."""
     names = _listed(given, GROUPS, "Unknown group {}.")
     if given and not names:
         raise VibeError("--groups names no group.", f"Use some of: {', '.join(GROUPS)}.")
@@ -131,7 +135,7 @@ def groups(given: Sequence[str]) -> list[str]:
 
 
 def traits(given: Sequence[str], like: str) -> list[str]:
-    """Traits to take over from a reference image, from "a,b" lists, each once."""
+    """Traits in texts such as "a,b", each once. Raises VibeError for unknown ones, or without an image, `like`."""
     names = _listed(given, TRAITS, "--like-only cannot be {}.")
     if names and not like:
         raise VibeError("--like-only speaks of a picture, and there is none.", "Name it: --like still.jpg.")
@@ -139,7 +143,7 @@ def traits(given: Sequence[str], like: str) -> list[str]:
 
 
 def locks(patterns: Sequence[str]) -> None:
-    """Raises VibeError for a lock pattern that matches in no scene. Matches in this scene are not checked here."""
+    """Raises VibeError for a lock pattern that can match in no scene; matches in the present scene are not checked."""
     for pattern in patterns:
         head = pattern.partition("/")[0]
         if head not in GROUPS and not any(c in head for c in "*?["):
@@ -148,7 +152,7 @@ def locks(patterns: Sequence[str]) -> None:
 
 
 def targets(pairs: Iterable[str]) -> dict[str, str]:
-    """Word of a prompt -> what it describes, from "copper=Cup"; not checked against the scene."""
+    """Word -> target that it describes, from texts "WORD=TARGET"; raises VibeError for others. Unknown names pass."""
     found = {}
     for pair in pairs:
         word, _, target = pair.partition("=")

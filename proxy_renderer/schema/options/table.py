@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The options of a vibe: the only table, and its conversion to command lines and back.
+"""The table of all options of a vibe (one run of the method), and its conversion to command lines and back.
 
-From it come the command lines of `vibe` and of Blender's side, and with them the table in the documents,
-their checks (`checks`), the message to the engine (`Options`), Blender's properties, and the options in a
-manifest of `vibe batch`. A new option is one row: a field of `Options` if the engine has to know it, else a row of `TASK`
-or `SUPPORT`.
+The table is the only source of the command lines of `vibe` and of the Blender process, the table in the documents,
+the checks (`checks`), the message to the engine (`Options`), Blender's properties, and the options in a
+manifest of `vibe batch`. A new option is one row: a field of `Options` if the engine has to know it, else a row of
+`TASK` or `SUPPORT`.
 """
 
 import argparse
@@ -18,7 +18,7 @@ from ..parameters import GROUPS
 
 T = TypeVar("T")
 
-HEADINGS = {  # groups of options, in the order of the help, and their titles
+HEADINGS = {  # group of options -> its title in the help; in the order of the help
     "task": "",
     "shots": "shots that share a look: each scene, through each camera, at each frame, and one set of values for all",
     "moments": "moments: a look at each of several frames, and keyframes from one to the next",
@@ -32,13 +32,13 @@ HEADINGS = {  # groups of options, in the order of the help, and their titles
 
 @dataclass(frozen=True)
 class Panel:
-    """An option as a property in Blender."""
+    """The appearance of an option as a property in Blender."""
 
     title: str  # its label
     description: str  # its tooltip
     bounds: tuple[int, int] | None = None  # least and greatest number there, if not those of the option
     length: int = 0  # most characters of a text; 0 for any number
-    default: str = ""  # of a text
+    default: str = ""  # default of a text or a choice in Blender
     live: bool = False  # whether a text takes effect with each typed character
     suggestions: tuple[str, ...] = ()  # texts to choose from; others can be typed
     path: bool = False  # whether a text is the path of a file
@@ -47,34 +47,34 @@ class Panel:
 
 @dataclass(frozen=True)
 class Option:
-    """A row of the table."""
+    """A row of the table: one option."""
 
     name: str  # in Python and in a manifest; on a command line with hyphens
-    # has the option's type: a bool that is True is turned off by --no-NAME, a tuple can be given several times
+    # of the option's type: a bool that is True is turned off by --no-NAME, a tuple is an option that can be repeated
     default: int | str | bool | tuple[str, ...]
     help: str  # for the command line and the documents; the default of a number is added to it
     heading: str  # its group, a key of `HEADINGS`
     unit: str = "N"  # what a value is called in the help: N, NAME, DIR
     bounds: tuple[int, int] | None = None  # least and greatest number
-    choices: tuple[str, ...] = ()  # all texts that there are; empty for any
-    manifest: tuple[str, ...] = ("options",)  # tables of a manifest for it: "options", "scene", "shots"
-    blender: bool = True  # whether Blender's side takes it on its command line
+    choices: tuple[str, ...] = ()  # all allowed texts; empty if any text is
+    manifest: tuple[str, ...] = ("options",)  # tables of a manifest that may have it: "options", "scene", "shots"
+    blender: bool = True  # whether the Blender process takes it on its command line
     panel: Panel | None = None  # how it looks in Blender; None if it is not there
 
     @property
     def flag(self) -> str:
-        """Its name on a command line."""
+        """The option on a command line: "--check-every", or "--no-anchor" for a bool with the default True."""
         return f"--{'no-' if self.default is True else ''}{self.name.replace('_', '-')}"
 
     @property
     def command_default(self) -> Any:
-        """Its value where a command line does not name it: None for a number that the effort decides."""
+        """The value if a command line lacks the option: its default, or None for a number that the effort decides."""
         if self.name in NUMBERS:
             return None
         return list(self.default) if isinstance(self.default, tuple) else self.default
 
     def text(self, default: Any) -> str:
-        """The help text; for a number with its default, where None is the effort's."""
+        """The help text; for a number it ends with the `default`, and None is shown as "the effort's"."""
         if type(self.default) is not int:
             return self.help
         shown = "the effort's" if default is None else default
@@ -82,11 +82,11 @@ class Option:
 
 
 def option(default: T, help: str, heading: str, **facts: Any) -> T:
-    """A field of `Options` that is also a row of the table; `facts` are other fields of `Option`."""
+    """A dataclass field for `Options` that is also a row of the table; `facts` are more fields of `Option`."""
     return field(default=default, metadata={"option": Option("", default, help, heading, **facts)})  # type: ignore[arg-type]
 
 
-STAGES = ("none", "floor", "cyclorama")  # stages that a bare mesh can be put on
+STAGES = ("none", "floor", "cyclorama")  # stages that a mesh file without a scene can be put on
 TRAITS = ("light", "grade", "palette", "air", "materials")
 """Traits to take over from a reference image; materials only if it shows the same scene, or if they are named."""
 
@@ -167,7 +167,7 @@ class Options:
 
     @classmethod
     def from_dict(cls, raw: dict[str, Any]) -> Self:
-        """Options from their JSON form; missing ones keep their defaults. Raises VibeError if a name is no option's."""
+        """Options from their JSON form; missing ones keep their defaults. Raises VibeError for an unknown name."""
         defaults = {f.name: f.default for f in fields(cls)}
         if strange := sorted(set(raw) - set(defaults)):
             raise VibeError(f"Unknown option {strange[0]!r}.", f"Use one of: {', '.join(sorted(defaults))}.")
@@ -176,7 +176,7 @@ class Options:
 
 
 def rows(message: type[Options]) -> tuple[Option, ...]:
-    """The rows of the table that are fields of `Options`, with their names."""
+    """The rows of the table that are fields of `message`, the class `Options`, with the fields' names."""
     known = (f for f in fields(message) if "option" in f.metadata)
     return tuple(replace(f.metadata["option"], name=f.name) for f in known)
 
@@ -184,7 +184,7 @@ def rows(message: type[Options]) -> tuple[Option, ...]:
 _EFFORT = "; ".join(f"{name}: {b.rounds} rounds of {b.steps} steps, {b.summary}" for name, b in BUDGETS.items())
 
 # fmt: off
-TASK = (  # the task, which Blender's side turns into a job for the engine
+TASK = (  # options of the task, which the Blender process turns into a job for the engine
     Option("subject", (), "object or collection that the image is about; can be given several times (default: found "
            "automatically)", "task", unit="NAME", manifest=("scene", "shots")),
     Option("prompt", "", 'the look: "misty, cool blue fog, vignette"', "task", unit="TEXT", manifest=(),
@@ -228,12 +228,12 @@ TABLE = (*TASK, *rows(Options), *SUPPORT)
 
 
 def named(name: str, table: Iterable[Option] = TABLE) -> Option:
-    """The row of an option."""
+    """The row of the table with an option's name."""
     return next(row for row in table if row.name == name)
 
 
 def add_option(container: argparse._ActionsContainer, option: Option, **changes: Any) -> None:
-    """Adds one option; `changes` are its `default`, `required` and `help` in this command."""
+    """Adds one option to a parser; `changes` replace its `default`, `required` or `help` in this command."""
     default = changes.get("default", option.command_default)
     keywords: dict[str, Any] = {"dest": option.name, "default": default, "help": option.text(default)}
     if isinstance(option.default, bool):
@@ -248,7 +248,7 @@ def add_option(container: argparse._ActionsContainer, option: Option, **changes:
 
 
 def add_options(parser: argparse.ArgumentParser, headings: Iterable[str], table: Iterable[Option] = TABLE) -> None:
-    """Adds all options under some of the `HEADINGS`, each heading with its title."""
+    """Adds the options of a table to a parser: those under the given keys of `HEADINGS`, each group with its title."""
     table = tuple(table)
     for heading in headings:
         title = HEADINGS[heading]
@@ -259,7 +259,7 @@ def add_options(parser: argparse.ArgumentParser, headings: Iterable[str], table:
 
 
 def to_arguments(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> list[str]:
-    """Arguments with the same options, for the command line of the Blender process."""
+    """The parsed options `given` as arguments for the Blender process, without `effort` and options not set."""
     arguments: list[str] = []
     for option in table:
         value = getattr(given, option.name, None)
@@ -275,6 +275,6 @@ def to_arguments(given: argparse.Namespace, table: Iterable[Option] = TABLE) -> 
 
 
 def engine_options(given: argparse.Namespace, camera: bool, online: bool) -> Options:
-    """The options for the engine from a parsed command line."""
+    """The engine's options from a parsed command line; `camera` and `online` are the fields of `Options`."""
     chosen = {row.name: getattr(given, row.name) for row in rows(Options)}
     return Options.from_dict({**chosen, "camera": camera, "online": online})
