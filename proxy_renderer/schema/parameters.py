@@ -74,18 +74,18 @@ class Parameter:
         return 3 if self.kind == "color" else 1
 
     def key(self, owner: str = "") -> str:
-        """The name of an instance: "material/Body/roughness", or "film/contrast"."""
+        """The key of an instance: "material/Body/roughness" for the owner "Body", "film/contrast" without an owner."""
         return f"{self.group}/{owner}/{self.name}" if owner else self.family
 
 
 @dataclass(frozen=True)
 class Instance:
-    """A parameter of one thing in one scene."""
+    """A parameter of one owner (a light, a material, the film) in one scene, with its value and bounds."""
 
     parameter: Parameter  # the schema row
     owner: str  # name of the light or material; "" for groups that a scene has one of
     value: Values  # the artist's value, one float per component, in the parameter's unit
-    reference: float = 1.0  # what the schema's bounds are multiplied by
+    reference: float = 1.0  # factor on the schema's bounds: the scene length that the parameter refers to
     role: str = ""  # "subject" or "surroundings" for materials; "key", "fill", "rim" for lights
     locked: str = ""  # why the value must stay as it is; "" when it may change
     lower: Values = field(init=False)
@@ -101,18 +101,18 @@ class Instance:
 
     @property
     def key(self) -> str:
-        """The name in reports, presets, locks and messages."""
+        """The name in reports, presets, locks and messages, see `Parameter.key`."""
         return self.parameter.key(self.owner)
 
     def distance(self, value: Values) -> float:
-        """The greatest distance of any component of a value from the artist's, on the perceptual scale, 0 to 1."""
+        """The greatest distance of a component of `value` from the artist's value, on the perceptual scale, 0 to 1."""
         unit = self.parameter.scale.to_unit
         ends = zip(self.value, value, self.lower, self.upper, strict=True)
         return max(abs(unit(a, low, high) - unit(b, low, high)) for a, b, low, high in ends)
 
 
 def split_key(key: str) -> tuple[str, str, str]:
-    """Splits a key into (group, owner, name); the owner is "" where a scene has one of the group.
+    """Splits a key into (group, owner, name); the owner is "" if a scene has only one of the group.
 
     An owner's name may itself contain slashes.
 
@@ -148,7 +148,7 @@ PICTURE = "picture"  # the slot of a reference image's wishes, which all groups 
 
 
 def may_serve(group: str, slot: str, cause: str = "") -> bool:
-    """True if a group of parameters may serve a word of a slot; materials may not if a mood (`cause`) implies the word."""
+    """True if parameters of a group may change for a word of a slot; materials not if a mood, `cause`, implies it."""
     return slot == PICTURE or (group in MEANS[slot] and not (cause and group == PAINT))
 
 
@@ -287,6 +287,6 @@ FAMILIES: dict[str, Parameter] = {p.family: p for p in PARAMETERS}
 
 
 def schema_hash() -> str:
-    """A fingerprint of the table; both processes must have the same one."""
+    """A fingerprint of the parameter table: 16 hexadecimal digits, which must be the same in Blender and the engine."""
     rows = [VERSION, *(asdict(p) for p in PARAMETERS)]
     return hashlib.sha256(json.dumps(rows, sort_keys=True).encode()).hexdigest()[:16]
