@@ -163,7 +163,10 @@ def _pass(jobs: Iterable[Job], store: Store, pool: Pool, limits: Limits, sheet: 
 def carry_out(
     plan: Iterable[Job], store: Store, pool: Pool, limits: Limits, tell: Tell, finished: Sequence[int] | None = None
 ) -> None:
-    """Carries out the jobs that are not done (0 in `finished`; None: look it up), with retries; reports to `tell`."""
+    """Carries out the jobs that are not done, and failed ones again, up to a limit; calls `tell` for each event.
+
+    `finished` has for each job of `plan` 1 if it is done, else 0; None to look that up.
+    """
     finished = store.finished(plan) if finished is None else finished
     fresh: Iterator[Job] = (job for job, done in zip(plan, finished, strict=True) if not done)
     again: deque[Job] = deque()

@@ -69,7 +69,7 @@ class LocalPool:
 
 
 def local_pool(jobs: Path, setup: Setup, count: int = 0) -> LocalPool:
-    """A pool of `count` workers on this machine, 0: as many as fit. Several get separate CPU cores, GPUs in turn."""
+    """A pool of `count` workers on this machine (0: as many as fit). Several get separate CPU cores, GPUs in turn."""
     count = count or fitting(machine(), setup.limits) or 1
     cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
     cards, workers = graphics_cards(), []
@@ -124,8 +124,7 @@ class Station(Worker):
     def attempt(self, job: Job, *scenes: bytes) -> tuple[JobRow, dict[str, bytes]]:
         """Carries out a job; returns its row and its files by path, {} if they are in the results folder already.
 
-        `scenes` are the contents of the job's scene files, for a machine that does not see the results folder. Raises
-        Interrupted if the worker was closed or its node has died.
+        `scenes` are the job's scene files, for a machine without this folder. Raises Interrupted if the node has died.
         """
         files: dict[str, bytes] = {}
         if self._shares:
@@ -148,7 +147,7 @@ class Station(Worker):
 
 
 class RayPool:
-    """Workers (`Station`) on a Ray cluster: as many as its nodes have room for, at most `most`; 0: no limit."""
+    """Workers (`Station`) on a Ray cluster: as many as its nodes have room for, at most `most` (0: no limit)."""
 
     def __init__(self, address: str, store: Store, setup: Setup, most: int = 0) -> None:
         """Connects to a cluster by its head's HOST:PORT, or "auto". Raises VibeError if that fails."""

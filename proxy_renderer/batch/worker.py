@@ -115,10 +115,7 @@ class Worker:
         self._closed = False
 
     def run(self, job: Job, folder: Path) -> JobRow:
-        """Carries out a job in its results `folder`; returns its row, with the status "done" or "failed".
-
-        Raises Interrupted if the worker was closed.
-        """
+        """Carries out a job in `folder`; its row is "done" or "failed". Raises Interrupted if the worker was closed."""
         self._start, self._next_check, self._peak_gb = time.monotonic(), 0.0, 0.0
         tidy(folder)
         try:

@@ -75,7 +75,7 @@ def is_packed(path: Path) -> bool:
 
 
 def unpacked(path: Path, folder: Path) -> Path:
-    """Writes a glTF without compression, as a .glb, into a folder; returns its path. VibeError if it is undecodable."""
+    """Writes a Draco-compressed glTF as an uncompressed .glb into a folder; returns its path, or raises VibeError."""
     try:
         document, binary = read_gltf(path)
         data = _joined(document, binary, path.parent)
@@ -161,7 +161,7 @@ def _write(path: Path, document: dict[str, Any], data: bytearray) -> None:
 
 @contextmanager
 def prepared(scene: Path) -> Iterator[Path]:
-    """The file for Blender: the scene, or an uncompressed copy that exists inside the block. Refuses bad meshes."""
+    """Yields the file for Blender: `scene`, or an uncompressed copy for the block. Raises VibeError for bad meshes."""
     if scene.suffix.lower() == ".blend":
         yield scene
         return

@@ -104,7 +104,7 @@ def _encoder() -> str:
 
 
 def _model() -> str:
-    """A line on the model's answer to one cheap question with an image, or on none being configured."""
+    """A line on a model's answer to one cheap question with an image, or a line that no model is configured."""
     if endpoint := find_endpoint(Options()):
         return try_model(endpoint)
     return "none, the offline planner does without (VIBE_VLM_MODEL names one)"

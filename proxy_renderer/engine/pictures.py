@@ -39,7 +39,7 @@ _UNIT = re.compile(rf"{_EAST_ASIAN.pattern}|\s*(?:(?!{_EAST_ASIAN.pattern})\S)+"
 def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path, figures: bool) -> tuple[list[str], Image.Image]:
     """Draws shot `number` (from 0) at the values found, by its full-size proxy, into the shot's job folder `job`.
 
-    With `figures`, and if there is an anchor, also draws the predictions without the last anchor and without any one.
+    With `figures`, and if there is an anchor, also draws the predictions without the last and without any anchor.
     Returns the keys of `PICTURES` that were drawn, and a gray image: the share of each pixel that the subject covers.
     """
     anchor = outcome.shots[number].anchor
@@ -91,7 +91,7 @@ def save_image(image: Image.Image, path: Path) -> None:
 
 
 def load_picture(path: Path | str, shape: tuple[int, int] | None = None) -> np.ndarray:
-    """Reads an image as (H, W, 3) float32 in [0, 1], on black; `shape`: width and height to resize to, if given."""
+    """Reads an image, on black, as (H, W, 3) float32 in [0, 1]; `shape`: (width, height) to resize to, or None."""
     with Image.open(path) as image:
         flat = Image.alpha_composite(Image.new("RGBA", image.size, (0, 0, 0, 255)), image.convert("RGBA"))
     shown = flat.convert("RGB").resize(shape or flat.size, Image.Resampling.LANCZOS)

@@ -53,7 +53,7 @@ def search_facts(outcome: Outcome, words: Sequence[PromptWord]) -> dict[str, Any
 
 
 def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
-    """Key -> record of a parameter: "moved": distance on the perceptual scale; "priority": 0 is first, None fixed."""
+    """Parameter -> record: "moved" is a distance on the perceptual scale; "priority" 0 comes first, None stays."""
 
     def plain(values: Values) -> float | list[float]:
         return values[0] if len(values) == 1 else list(values)
@@ -78,7 +78,7 @@ def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
 
 
 def changed_values(outcome: Outcome, shot: ShotState | None = None) -> dict[str, list[float]]:
-    """Key -> components of each value that differs from the artist's scene, under the keys of `shot`, or the first."""
+    """Key -> components of each value that differs from the artist's scene; keys are those of `shot`, or the first."""
     vector = (shot or outcome).vector
     return {k: list(v) for k, v in vector.changes(outcome.u).items()}
 
@@ -131,7 +131,8 @@ def word_verdicts(outcome: Outcome, rows: Sequence[Mapping[str, Any]], seen: GBu
 
     `rows` are a shot's verdicts on claims; `seen` is the first shot's G-buffer at the values found. A word's "state" is
     "visible", "already" (satisfied before the search), "unmeasured" or "missed". For a missed word, "missing" compares
-    its value with the wanted one, and "why" is the reason. "unlock" is the key of the value whose lock is the reason.
+    its value with the wanted one, and "why" is the reason; "unlock" is the key of a value whose lock is the reason, or
+    "".
     """
     goals, states, found = outcome.goals, word_states(rows), []
     vague = default_vocabulary().lists["unmeasured"]

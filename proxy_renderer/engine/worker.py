@@ -92,7 +92,7 @@ class RemoteObserver:
         self._wire.send(messages.Stage(name))
 
     def begin(self, display: Tensor, lit: bool) -> None:
-        """Sends the image (H, W, 3) of the artist's own values; Blender may end the vibe unless something is `lit`."""
+        """Sends the image (H, W, 3) of the artist's values; `lit`: False if it is black and the words add no light."""
         from .pictures import save_picture
 
         save_picture(display, self._job / BEFORE)
@@ -123,7 +123,7 @@ class RemoteObserver:
         return self._wire.stop.is_set()
 
     def ask(self, request: messages.Anchor) -> messages.Anchored | None:
-        """Blender's answer to a request for a render, with any error; None if the search should end."""
+        """Blender's answer to a request for a render, an error if that fails or is late; None to end the search."""
         if not self.stopped():
             self._wire.send(request)
         end = time.monotonic() + _ANSWER_SECONDS

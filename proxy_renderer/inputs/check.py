@@ -85,7 +85,7 @@ def words(prompt: str, arguments: argparse.Namespace) -> None:
 
 
 def vocabulary(name: str) -> None:
-    """Checks a vocabulary by loading it, and sets it for this process and its children; "" for the default file."""
+    """Checks a vocabulary file by loading it, and sets it for this process and its children; "": the default file."""
     from ..words.lexicon.vocabulary import VARIABLE, default_vocabulary
 
     if name:

@@ -52,7 +52,7 @@ def probe(linear: np.ndarray) -> LightProbe:
 
 
 def effects_of(found: LightProbe) -> list[str]:
-    """Effects, as text, that give the key light the key's direction and color, and the world the color of the rest."""
+    """Effects, as text: the scene's key light gets the key's direction and color, the world the color of the rest."""
 
     def near(parameter: str, value: Values, reach: float) -> str:
         lower, upper = (",".join(f"{v + off:.6g}" for v in value) for off in (-reach, reach))

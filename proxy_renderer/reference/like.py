@@ -45,7 +45,7 @@ class Reference:
 
     @classmethod
     def of(cls, options: Options, scene: SceneData) -> Reference | None:
-        """The image that the options name, or None; linear colors get the scene's view. VibeError if unreadable."""
+        """The image that the options name, or None; linear ones get the view transform. VibeError if unreadable."""
         if not options.like:
             return None
         path = Path(options.like)
@@ -90,7 +90,7 @@ class Reference:
         return found
 
     def _wishes(self, word: str, texts: list[str], material: str = "") -> list[Wish]:
-        """Wishes from `texts` (effects and claims), by quantity; `word` names them, `material`: target or ""."""
+        """Wishes from `texts` (effects and claims), by quantity; `word` names them; `material`: their target, or ""."""
         said = _attribute(word, self.name, material)
         return [Wish(said, w.quantity, effects=w.effects, claims=w.claims) for w in read_wishes(texts)]
 
@@ -170,7 +170,7 @@ def effects_of(
 ) -> list[Effect]:
     """Effects that an image may have on parameters, for the `traits` to take over.
 
-    If it shows another scene, not the `same`, effects that need a measure that is not among `measures` are left out.
+    For an image of another scene (`same` is False), effects that need a measure not among `measures` are left out.
     """
     table = _effects("another_scene")
     free = {i.parameter.family for i in instances if not i.locked}

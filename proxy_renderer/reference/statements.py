@@ -48,7 +48,7 @@ _EXACT = 0.5  # noticeable steps by which the color of a cell or a material may 
 
 
 def is_same(reference: Tensor, rendered: Tensor) -> bool:
-    """True if two images (H, W, 3) show the same objects in the same places: if they have one shape and alike edges."""
+    """True if two images (H, W, 3) show the same objects in the same places: alike in aspect ratio and edges."""
     one, other = (picture.shape[1] / picture.shape[0] for picture in (reference, rendered))
     shape = small_size(rendered.shape[0], rendered.shape[1], longest=128)
     maps = []
@@ -141,7 +141,7 @@ class _Reader:
         self.regions, self.picture = regions, regions.picture
 
     def grade(self) -> Iterator[Statement]:
-        """Tones, tints of shadows, midtones and lights, saturation, vignette."""
+        """Statements on tones, tints of shadows, midtones and lights, saturation and vignette."""
         for measure in _TONES:
             said = self._near("tones", measure, f"{MEASURES[measure].says} is L* {{:.0f}}", steps=CLOSE)
             # Black and white objects of the reference need not be in the scene.
@@ -166,7 +166,7 @@ class _Reader:
             yield self._near("vignette", "vignette", "its corners are L* {:.0f} darker than its middle")
 
     def light(self) -> Iterator[Statement]:
-        """The light on a subject, and its contrast with the ground; nothing without a clear subject."""
+        """Statements on the subject's light, and its contrast with the rest; none without a clear subject."""
         if not self.regions.subject:
             return
         (range_,) = self._value("spread", "subject")
@@ -184,7 +184,7 @@ class _Reader:
         yield self._near(f"subject {how} than its ground", "standing_out", reason, "subject")
 
     def palette(self) -> Iterator[Statement]:
-        """The colors of subject, surroundings and sky; without a clear subject, of the upper, middle and lower third."""
+        """Statements on the colors of subject, surroundings and sky; without a clear subject, of horizontal thirds."""
         if not self.regions.subject:
             for place, box in _THIRDS.items():
                 yield from self._colors("picture", f"{place} third", box)
@@ -195,13 +195,13 @@ class _Reader:
             yield from self._colors("sky", "sky")
 
     def air(self) -> Iterator[Statement]:
-        """Haze, if nothing in the image is dark or pure in color."""
+        """A statement on haze, if nothing in the image is dark or pure in color."""
         if self._value("veil")[0] > 35.0 and self._value("black_point")[0] > 20.0:  # percent of white; L*
             reason = "nothing in it is dark or pure in color: at least {:.0f} % of white lies over it"
             yield self._near("haze", "veil", reason)
 
     def _colors(self, part: Part, what: str, box: Values = ()) -> Iterator[Statement]:
-        """Lightness and cast of a part; nothing if it has too few pixels.
+        """Statements on lightness and cast of a part; none if it has too few pixels.
 
         The color of the reference's subject may be paint. So the render's subject is to have the cast of the whole reference,
         and may keep its own paint. The color of a third may be paint, too: the cast of the render's third may lie anywhere

@@ -192,7 +192,7 @@ class SceneData:
         return replace(self, lights=(*self.lights, *lights), instances={**self.instances, **theirs})
 
     def with_link(self, link: LightLink, said: str) -> SceneData:
-        """The scene with a light linked to objects; `said` are the words that ask for it, in quotes."""
+        """The scene with a light link added (see `LightLink`); `said` are the words that ask for it, in quotes."""
         named = {number for number, thing in enumerate(self.objects) if thing.name in link.objects}
         others, lights = set(range(len(self.objects))) - named, []
         for light in self.lights:
@@ -201,7 +201,7 @@ class SceneData:
         return replace(self, lights=tuple(lights), links={**self.links, link.key: said})
 
     def with_copies(self, copies: Mapping[str, Collection[str]]) -> SceneData:
-        """The scene with copies of materials: name of each copy -> names of the objects that get it."""
+        """The scene with copies of materials; `copies`: name of each copy -> names of the objects that get it."""
         if not copies:
             return self
         materials, instances = {m.name: m for m in self.materials}, dict(self.instances)
@@ -236,7 +236,10 @@ class SceneData:
         return replace(self, instances={**self.instances, **theirs})
 
     def with_card(self, name: str, corners: Array) -> SceneData:
-        """The scene with a card (gobo) that only shadow rays see; `corners`: of its quads, (Q, 4, 3), world space."""
+        """The scene with an object `name`, a light's card (gobo) that only shadow rays see.
+
+        `corners` are those of the card's quads, (Q, 4, 3) in world space.
+        """
         mesh, count = self.mesh, len(corners)
         first = len(mesh.vertices) + 4 * np.arange(count)[:, None]
         faces = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])]).astype(np.int32)
@@ -256,7 +259,7 @@ class SceneData:
         return replace(self, mesh=more, objects=(*self.objects, shade))
 
     def value(self, key: str, default: float | Values = 0.0) -> Values:
-        """The artist's value of a parameter, also of `unseen` materials, one number per component; else `default`."""
+        """The artist's value of a parameter (also in `unseen`), one number per component; `default` if there is none."""
         if key in self.instances:
             return self.instances[key].value
         if key in self.unseen:

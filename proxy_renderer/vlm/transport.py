@@ -206,7 +206,7 @@ def read_completion(raw: bytes) -> Completion:
 
 
 def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> ModelError:
-    """The error for an HTTP status, with its remedy and the server's own words ("" for none)."""
+    """The error for an HTTP status, with its remedy; `complaint`: the server's own words, "" for none."""
     # Errors that asking again cannot fix come first.
     lasting, broken, more = True, False, f": {complaint}" if complaint else ""
     if code in (401, 403):

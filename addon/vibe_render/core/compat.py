@@ -141,7 +141,7 @@ def drop_compositor(scene: Scene) -> None:
 
 
 def set_to_curve(block: ID, curve: bpy.types.FCurve, frame: float) -> None:
-    """Sets a curve's property to its value at `frame`; does nothing if the curve is muted or the property is gone."""
+    """Sets a curve's property to the curve's value at `frame`; skips a muted curve, or a property that is gone."""
     if curve.mute:
         return
     path, _, name = curve.data_path.rpartition(".")
@@ -208,7 +208,7 @@ def editable_compositor(journal: Journal, scene: Scene) -> NodeTree:
 
 
 def march_volumes(journal: Journal, scene: Scene) -> None:
-    """Makes Blender 5 march rays as Blender 4 does, unless there are volume objects; large fog boxes start sooner."""
+    """Makes Blender 5 march volumes as Blender 4 does, except with volume objects; large fog boxes start sooner."""
     # Vibe Render's fog looks the same; volume objects of the artist would change.
     ours = not any(o.type == "VOLUME" for o in scene.objects)
     if ours and not getattr(scene.cycles, "volume_biased", True):

@@ -129,7 +129,7 @@ def worn(thing: Object, of: ViewLayer) -> list[Material | None]:
 
 
 def override_lock(scene: Scene) -> str:
-    """Text on a material override, with which no material can change the scene's render; "" without an override."""
+    """Lock reason of all materials of a scene if its view layer overrides them; "" without such an override."""
     override = layer(scene).material_override
     if override is None:
         return ""

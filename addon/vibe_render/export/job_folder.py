@@ -39,7 +39,7 @@ def _finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, sc
 
 
 def _finite_content(value: Any, path: str, warnings: list[str]) -> Any:
-    """A copy of nested dicts and lists with 0 for numbers that are not finite; `warnings` gets a text on each."""
+    """A copy of nested dicts and lists, 0 for numbers that are not finite; adds a warning with `path` for each."""
     if isinstance(value, Mapping):
         return {key: _finite_content(item, f"{path}/{key}" if path else key, warnings) for key, item in value.items()}
     if isinstance(value, list | tuple):

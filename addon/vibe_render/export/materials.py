@@ -325,7 +325,7 @@ def _constants(base: Layer, mixture: Mixture, row: dict[str, Any]) -> None:
 
 
 def _mixed(result: ExportedMaterial, mixture: Mixture) -> None:
-    """Adds to `result` the base color, opacity and emission color, times the Emission's share, of mixed shaders."""
+    """Adds mixed shaders' base color, opacity and emission color (times the Emission's share) to `result`."""
     window = next((c.picture for name, c in mixture.measured.items() if name.startswith("mix")), None)
     frame = window or ExportedTexture(np.ones((1, 1, 1), np.float32))
     if len(mixture.colors) > 1:

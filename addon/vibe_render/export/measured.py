@@ -73,7 +73,7 @@ def measured_materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
 def _over_uvs(
     material: Material, channel: str, origin: ValueOrigin | None, uvs: np.ndarray
 ) -> textures.ExportedTexture | None:
-    """The texture over the material's UV map of its base color or alpha; None if a render has to measure the input."""
+    """The texture of a base color or alpha over the material's UV map; None for inputs that a render must measure."""
     if origin is None or channel not in ("base_color", "alpha"):
         return None
     chosen, matrix = uv_of(material)
@@ -166,7 +166,7 @@ def bake_passes(
 
 
 def _is_color(channel: str) -> bool:
-    """True for channels of three components, such as "normal": in world space, mapped from [-1, 1] to [0, 1]."""
+    """True for channels of three components: colors, and "normal" (world space, mapped from [-1, 1] to [0, 1])."""
     return channel in (*COLORS, "normal") or channel.startswith("color")
 
 
@@ -211,7 +211,7 @@ def _send(stack: ExitStack, request: PassRequest) -> None:
 
 
 def _cropped(values: np.ndarray, shown: np.ndarray) -> MeasuredChannel:
-    """Mean of an image (H, W, C) where `shown` (H, W) is True, and its cut-out there, extended by `_GROWN` pixels."""
+    """The mean of an image (H, W, C) where `shown` (H, W) is True, and the texture of this part, grown by `_GROWN`."""
     height, width = shown.shape
     rows, columns = shown.any(1).nonzero()[0], shown.any(0).nonzero()[0]
     bottom, top = max(0, rows[0] - _GROWN), min(height, rows[-1] + 1 + _GROWN)

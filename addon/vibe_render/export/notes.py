@@ -64,9 +64,8 @@ def view_notes(analysis: SceneAnalysis) -> list[str]:
 def check_shows(scene: Scene, filling: str, lit: bool) -> None:
     """Raises VibeError with the cause of a black render; with `lit`, not if light is all that is missing.
 
-    `lit` is True if the words may add light.
-
-    `filling` is the name of the object that fills the image; "" if others are visible.
+    `lit` is True if the words may add light. `filling` is the name of the object that fills the image; "" if others are
+    visible.
     """
     if grade.cut_off(compat.compositor(scene)):
         why, remedy = "no picture reaches the output of its compositor", "Connect one, or take the compositor out."

@@ -54,7 +54,7 @@ def export_captured(scene: Scene, folder: Path, choice: SubjectChoice, visible: 
 
 
 def prepare_and_snapshot(scene: Scene, choice: SubjectChoice) -> None:
-    """Mutes Vibe Render's keyframes, adds missing parts (see `prepare_scene`), and starts a snapshot for Revert."""
+    """Mutes Vibe Render's keyframes, adds missing parts (see `prepare_scene`), takes a snapshot if there is none."""
     check_scene(scene)
     keyframes.set_aside(scene)
     prepare_scene(scene, named_objects(scene, choice))
@@ -70,13 +70,13 @@ class SceneReading:
 
 
 def read_scene(scene: Scene, choice: SubjectChoice) -> SceneReading:
-    """Reads the parameters of a scene that has a camera, without changing it; raises as `export_scene`."""
+    """Reads the parameters of a scene that has a camera, without changing it; raises VibeError as `analyze`."""
     analysis = analyze(scene, choice)
     return SceneReading(analysis, read_parameters(analysis))
 
 
 def prepare_and_read(scene: Scene, choice: SubjectChoice) -> SceneReading:
-    """Adds missing parts (see `prepare_scene`) and reads the scene's parameters; fails as `export_scene`."""
+    """Adds missing parts (see `prepare_scene`) and reads the parameters; a failure undoes the additions."""
     with _prepared(scene, choice) as analysis:
         return SceneReading(analysis, read_parameters(analysis))
 
@@ -90,7 +90,7 @@ def _prepared(scene: Scene, choice: SubjectChoice) -> Iterator[SceneAnalysis]:
 
 
 def sketch_scene(scene: Scene, folder: Path, choice: SubjectChoice) -> None:
-    """Writes a sketch: a job folder with bounding boxes in place of meshes, which can only explain words."""
+    """Writes a sketch: a job folder with boxes as meshes, which can only explain words. Replaces unreadable names."""
     check_scene(scene)
     rendered.layer(scene).update()  # collections and matrices that have just changed
     camera = ray_camera(scene)

@@ -235,7 +235,7 @@ def light_notes(scene: Scene) -> list[str]:
 
 
 def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, schema.Instance]]:
-    """scene.json entries, and parameters by key, of lights that words may add; the call adds and removes these."""
+    """scene.json entries, and parameters by key, of lights that words may add; the scene has them during the call."""
     scene, pivot = analysis.scene, Vector(analysis.pivot)
     known = schema.added_lights.ADDED_LIGHTS
     names = [name for name in known if name not in bpy.data.objects]
