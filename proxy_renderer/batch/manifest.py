@@ -383,5 +383,5 @@ class BatchPlan:
 
 @lru_cache(4096)
 def _slug(text: str) -> str:
-    """A text as a part of a file name on every system."""
+    """A text as a part of a file name on every system: at most 48 of a-z, 0-9 and "-"; "x" if none is left."""
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:48] or "x"

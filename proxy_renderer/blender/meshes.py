@@ -136,7 +136,7 @@ def _unpack(document: dict[str, Any], data: bytearray, primitive: dict[str, Any]
 
 
 def _store(document: dict[str, Any], data: bytearray, accessor: dict[str, Any], values: np.ndarray) -> None:
-    """Appends an accessor's values, each row at a multiple of four bytes, as glTF requires."""
+    """Appends an accessor's values to `data`, each row at a multiple of four bytes, as glTF requires."""
     data += bytes(-len(data) % 4)
     rows = values.reshape(len(values), -1)
     size = rows.shape[1] * rows.itemsize

@@ -259,7 +259,7 @@ class SceneData:
         return replace(self, mesh=more, objects=(*self.objects, shade))
 
     def value(self, key: str, default: float | Values = 0.0) -> Values:
-        """The artist's value of a parameter (also in `unseen`), one number per component; `default` if there is none."""
+        """The artist's value of a parameter (also if `unseen`), one number per component; `default` without one."""
         if key in self.instances:
             return self.instances[key].value
         if key in self.unseen:

@@ -65,7 +65,7 @@ class Outputs:
             path.write_text(text + "\n", encoding="utf-8")
 
     def copy(self, name: str, source: Path) -> None:
-        """Adds a copy of a file."""
+        """Adds a copy of the file `source` under this name."""
         with self._writing(name) as path:
             shutil.copyfile(source, path)
 
