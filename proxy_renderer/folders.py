@@ -11,7 +11,7 @@ CACHE = "VIBE_CACHE"  # the environment variable that names another cache folder
 
 
 def config_folder() -> Path:
-    """The user's settings for Vibe Render; the folder need not exist."""
+    """The folder of the user's settings for Vibe Render; it need not exist."""
     return user_config_path(_NAME, appauthor=False, roaming=True)
 
 

@@ -35,7 +35,7 @@ Tell = Callable[[str, Job, JobRow], None]  # is called with "started", "done", "
 
 
 class BatchProgress(TerminalBar):
-    """Counts jobs and shows the numbers; the keys of `counts` are "done", "failed" and "running"."""
+    """A progress bar that counts jobs; `total` and `done` are numbers of jobs at the start."""
 
     def __init__(self, total: int, done: int) -> None:
         self._total, self._before, self._ended = total, done, done
@@ -81,7 +81,7 @@ def _clock(seconds: float) -> timedelta:
 
 
 def account(plan: BatchPlan, out: Path, workers: int) -> str:
-    """The plan as text: jobs done and to do, jobs by scene, and the estimated time; 0 `workers` for a cluster."""
+    """The plan as text: jobs done and to do, jobs by scene, and the estimated time; `workers` is 0 for a cluster."""
     scenes = Counter(job.scene for job in plan)
     folders = {job.name: out / "jobs" / job.name for job in plan}
     to_do = [job for job in plan if not (folders[job.name] / DONE).is_file()]
@@ -143,7 +143,7 @@ def run(a: argparse.Namespace) -> int:
 
 
 def _pass(jobs: Iterable[Job], store: Store, pool: Pool, limits: Limits, sheet: Sheet) -> int:
-    """Carries out jobs with their progress shown; returns how many have failed."""
+    """Carries out jobs and shows their progress; returns the number of failed jobs."""
     finished = store.finished(jobs)
     progress = BatchProgress(len(finished), sum(finished))
 
@@ -163,7 +163,10 @@ def _pass(jobs: Iterable[Job], store: Store, pool: Pool, limits: Limits, sheet: 
 def carry_out(
     plan: Iterable[Job], store: Store, pool: Pool, limits: Limits, tell: Tell, finished: Sequence[int] | None = None
 ) -> None:
-    """Carries out the jobs that are not done. `finished` has for each job 1 if it is done, else 0; None to look it up."""
+    """Carries out the jobs that are not done, and failed ones again, up to a limit; calls `tell` for each event.
+
+    `finished` has for each job of `plan` 1 if it is done, else 0; None to look that up.
+    """
     finished = store.finished(plan) if finished is None else finished
     fresh: Iterator[Job] = (job for job, done in zip(plan, finished, strict=True) if not done)
     again: deque[Job] = deque()
@@ -211,7 +214,7 @@ def carry_out(
 
 
 def install_job_type(scripts: Path) -> Path:
-    """Copies the job type to a Flamenco Manager's scripts, with this installation's `batch.py` as its default."""
+    """Writes the job type into a Flamenco Manager's folder `scripts`, for this installation; returns its path."""
     scripts = scripts.expanduser().resolve()
     if not scripts.parent.is_dir():
         raise VibeError(f"There is no folder {scripts.parent}.", "Name the folder of your Flamenco Manager.")

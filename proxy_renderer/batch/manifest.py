@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The manifest of `vibe batch`, checked to its last key before anything starts, and the jobs that it makes.
+"""Reads the manifest of `vibe batch`, checks all of its keys before anything starts, and lists its jobs.
 
 A mistake raises VibeError, which names its place in the file. docs/guide/batch.md has an example with all tables.
 """
@@ -34,7 +34,7 @@ def digest(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-IN_FILES = ("like", "goals")  # options that name a file, instead of a prompt or together with one
+IN_FILES = ("like", "goals")  # options that name a file which sets the look, with a prompt or without one
 _ELSEWHERE = {"seed": "Write seeds = [0, 1] at the top."}
 _KNOWN = ("scenes", "prompts", "seeds", "files", "options", "limits", "scene", "shots")
 _WORDS, _DIGEST = 32, 12  # characters of a prompt, and of the digest, in a folder's name
@@ -42,7 +42,7 @@ _FILES = tuple(f"--{name}=" for name in IN_FILES)
 
 
 class TomlSource:
-    """A TOML file, with its `path` as it was named and its `content`."""
+    """A TOML file that has been read: its `path` as it was given, and its `content`."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -54,12 +54,12 @@ class TomlSource:
             raise VibeError(f"{path} cannot be read: {error}.", "Save it as UTF-8 text.") from error
 
     def problem(self, what: str, remedy: str, *place: str) -> VibeError:
-        """An error that names the file and a place in it: keys, outermost first, and a value; the caller raises it."""
+        """An error, not yet raised, that names the file and a `place` in it: keys, outermost first, and a value."""
         return VibeError(f"{' > '.join(filter(None, (str(self.path), *place)))}: {what}", remedy)
 
     @contextmanager
     def at(self, *place: str) -> Iterator[None]:
-        """Errors inside the block name their place."""
+        """Adds the file and a `place` in it (see `problem`) to the VibeErrors raised inside the block."""
         try:
             yield
         except VibeError as error:
@@ -67,7 +67,7 @@ class TomlSource:
 
 
 class OptionReader:
-    """Reads the tables of options."""
+    """Reads and checks the manifest's tables of options; paths in them start from the folder `base`."""
 
     def __init__(self, source: TomlSource, base: Path, options: Iterable[Option] = TABLE) -> None:
         self._source, self._problem, self._base = source, source.problem, base
@@ -75,7 +75,10 @@ class OptionReader:
         self._defaults = {row.name: row.command_default for row in self._rows.values() if row.name != "stage"}
 
     def read(self, table: dict[str, Any], keys: tuple[str, ...], where: str = "") -> dict[str, Any]:
-        """The options in a table of the manifest, checked for type and value; `where` is "scene", "shots" or ""."""
+        """The options in a table of the manifest, checked for type and value.
+
+        `keys`: the table's place, for errors. `where`: "scene" or "shots" for a table of some scenes, "" for [options].
+        """
         # Tables of scenes and of shots allow a few more options than [options] does.
         rows = {n: row for n, row in self._rows.items() if {"options", where} & set(row.manifest)}
         options: dict[str, Any] = {}
@@ -88,7 +91,7 @@ class OptionReader:
         return options
 
     def _value(self, row: Option, key: str, value: Any, keys: tuple[str, ...]) -> Any:
-        """A checked value, as a parsed command line holds it."""
+        """The value of option `row`, checked, in the type that a parsed command line has; `keys` as for `read`."""
         several = isinstance(row.default, tuple)
         if several and isinstance(value, str):
             value = [value]
@@ -124,7 +127,7 @@ class OptionReader:
             check.words(prompt, argparse.Namespace(**self._defaults | options))
 
     def arguments(self, options: dict[str, Any], scenes: list[Path]) -> tuple[str, ...]:
-        """A job's options as the command line of Blender's side, without prompt and seed."""
+        """Arguments for Blender's side (`batch.py`) from a job's options, without prompt and seed."""
         given = argparse.Namespace(**self._defaults | options)
         checks.numbers(given, self._rows.values())
         given.groups = checks.groups(given.groups)
@@ -244,7 +247,7 @@ class _Reader(OptionReader):
         return table
 
     def _prompts(self, given: Any, options: dict[str, Any], *keys: str) -> tuple[str, ...]:
-        """Prompts from a list, or from a file with one on each line; with a reference image or goals, they may be missing."""
+        """Prompts from `given`, a list or the name of a file; ("",) for None, if `options` name an image or goals."""
         if given is None and any(options.get(name) for name in IN_FILES):
             return ("",)
         if isinstance(given, str):
@@ -276,7 +279,7 @@ class _Reader(OptionReader):
         return tuple(dict.fromkeys(given))
 
     def _own(self, table: Any, options: dict[str, Any], *keys: str) -> dict[str, Any]:
-        """Options, prompts and seeds in a table for some scenes, "scene" or "shots"."""
+        """Options, prompts and seeds in a table for some scenes; `options` are those for all, `keys` its place."""
         if not isinstance(table, dict):
             raise self._problem("This is not a table.", f'Write [scene."{keys[-1]}"].', *keys)
         rest = {k: v for k, v in table.items() if k not in ("prompts", "seeds")}
@@ -329,17 +332,17 @@ class _Reader(OptionReader):
 class Take:
     """Final frames of one .blend through one camera."""
 
-    blend: int  # its number among the job's scenes
+    blend: int  # index among the job's scenes: 0 for `Job.source`
     camera: str = ""  # its name; "" for the .blend's own
     frames: str = ""  # "1-24" or "1,50"; "" for the .blend's own
-    folder: str = ""  # subfolder for its frames in the job's folder of frames; "" for that folder itself
+    folder: str = ""  # subfolder for the frames in the job's folder `frames`; "" for `frames` itself
 
 
 @dataclass(frozen=True)
 class Job:
-    """One vibe, or the final frames of its result."""
+    """One vibe, or the rendering of final frames of its result."""
 
-    name: str  # of its folder: readable, and ending in a digest of everything that its result depends on
+    name: str  # of the job's folder: readable, and ending in a digest of everything that the result depends on
     scene: str  # as the manifest names it
     source: Path  # path of the scene, or of the first
     prompt: str  # the look
@@ -347,7 +350,7 @@ class Job:
     arguments: tuple[str, ...]  # options for Blender's side, with prompt and seed
     more: tuple[Path, ...] = ()  # paths of the other scenes that are to have the same look
     frames: str | None = None  # final frames of its result to render: "1-24", "" for the scene's own; None for a vibe
-    takes: tuple[Take, ...] = ()  # these frames, for every .blend and camera of the result; empty for a vibe
+    takes: tuple[Take, ...] = ()  # renders of `frames`, one for each .blend and camera of the result; () for a vibe
 
 
 class BatchPlan:
@@ -380,5 +383,5 @@ class BatchPlan:
 
 @lru_cache(4096)
 def _slug(text: str) -> str:
-    """A text as a part of a file name on every system."""
+    """A text as a part of a file name on every system: at most 48 of a-z, 0-9 and "-"; "x" if none is left."""
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:48] or "x"

@@ -48,7 +48,7 @@ class LocalPool:
         self._out[self._threads.submit(self._run, job)] = job
 
     def wait(self, seconds: float) -> list[tuple[Job, JobRow | None]]:
-        """Waits for jobs to end; returns them with their rows. A job whose worker was closed is "interrupted"."""
+        """Waits for jobs to end; returns them with their rows. If a worker was closed, the status is "interrupted"."""
         ended, _ = wait(self._out, seconds, FIRST_COMPLETED)
         return [(self._out.pop(future), future.result()) for future in ended]
 
@@ -69,7 +69,7 @@ class LocalPool:
 
 
 def local_pool(jobs: Path, setup: Setup, count: int = 0) -> LocalPool:
-    """A pool of `count` workers, or of as many as fit for 0; several have CPU cores of their own, and GPUs in turn."""
+    """A pool of `count` workers on this machine (0: as many as fit). Several get separate CPU cores, GPUs in turn."""
     count = count or fitting(machine(), setup.limits) or 1
     cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
     cards, workers = graphics_cards(), []
@@ -82,14 +82,14 @@ def local_pool(jobs: Path, setup: Setup, count: int = 0) -> LocalPool:
 
 
 def fitting(resources: Mapping[str, float], limits: Limits) -> int:
-    """Number of workers that a machine holds, by its "CPU" cores, "memory" in bytes and "GPU" cards; 0 if it is too small."""
+    """Number of workers that fit on a machine; 0 if it is too small. `resources`: see `machine`."""
     fits = [resources.get("CPU", 0) // limits.cores, resources.get("memory", 0) / 1e9 // limits.memory_gb]
     fits += [cards * PER_GPU] if (cards := resources.get("GPU")) else []
     return int(min(fits))
 
 
 def machine() -> dict[str, float]:
-    """The resources of this machine, named as Ray names them."""
+    """The resources of this machine under Ray's names: "CPU" (cores), "memory" (bytes), "GPU" (cards)."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return {"CPU": cores, "memory": psutil.virtual_memory().total, "GPU": graphics_cards()}
 
@@ -106,7 +106,10 @@ def graphics_cards() -> int:
 
 
 class Station(Worker):
-    """A worker in an actor's process."""
+    """A worker on a node of a Ray cluster, in a process that Ray starts there (an actor).
+
+    `out` is the results folder; this machine sees it if its token file has the same `token`.
+    """
 
     def __init__(self, setup: Setup, out: Path, token: str) -> None:
         super().__init__(setup)
@@ -119,7 +122,10 @@ class Station(Worker):
         return self._shares
 
     def attempt(self, job: Job, *scenes: bytes) -> tuple[JobRow, dict[str, bytes]]:
-        """Carries out a job; returns its row, and its files by path if this machine does not see the results folder."""
+        """Carries out a job; returns its row and its files by path, {} if they are in the results folder already.
+
+        `scenes` are the job's scene files, for a machine without this folder. Raises Interrupted if the node has died.
+        """
         files: dict[str, bytes] = {}
         if self._shares:
             row = self.run(job, self._jobs / job.name)
@@ -141,7 +147,7 @@ class Station(Worker):
 
 
 class RayPool:
-    """Stations on a cluster: as many as the nodes have room for, and at most `most` unless that is 0."""
+    """Workers (`Station`) on a Ray cluster: as many as its nodes have room for, at most `most` (0: no limit)."""
 
     def __init__(self, address: str, store: Store, setup: Setup, most: int = 0) -> None:
         """Connects to a cluster by its head's HOST:PORT, or "auto". Raises VibeError if that fails."""
@@ -221,7 +227,7 @@ class RayPool:
                 socket.create_connection((host, int(port)), _LOOK).close()
                 break
             time.sleep(_LOOK)
-        else:  # told here, because Ray would end this process without a message
+        else:  # reported here, because Ray would end this process without a message
             self._lost = True
             remedy = "Bring it back, then run the same command again: it continues with what is done."
             raise VibeError("The cluster's head is lost.", remedy)
@@ -254,7 +260,7 @@ class RayPool:
             self._idle.remove(station)
 
     def _end(self, reference: Any) -> tuple[Job, JobRow | None]:
-        """A job that has ended, and its row, None if its station has died; writes the files that the station sent."""
+        """The job that ended, and its row, or None if its station has died; writes the result files that it sent."""
         station, job = self._out.pop(reference)
         try:
             row, files = self._ray.get(reference)

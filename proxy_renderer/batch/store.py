@@ -30,10 +30,10 @@ from ..schema import VibeError, atomic
 from ..schema.options import checks
 from .manifest import BatchPlan, Job, Take
 
-JobRow = dict[str, Any]
+JobRow = dict[str, Any]  # a job in the tables of results, see `FIELDS`
 DONE, FAILED, LOG = "done.json", "failed.json", "log.txt"
 FINAL, FRAMES = "final.json", "frames"
-WORDS = ("visible", "already", "unmeasured", "missed")  # lists of a row: words by state, as in `verdicts`
+WORDS = ("visible", "already", "unmeasured", "missed")  # a row's lists of words by state, as in `verdicts`
 TOKEN = "batch.json"  # its token identifies the results folder, so that a machine can check that it sees the same one
 FIELDS = (
     "name", "scene", "prompt", "seed", "status", *WORDS, "delta_e",
@@ -50,7 +50,7 @@ _SOONEST = 5.0  # seconds
 
 
 class Store:
-    """A results folder, held by one batch at a time. Use it as a context manager."""
+    """A results folder, locked so that only one batch uses it at a time. Use it as a context manager."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = checks.folder(folder)
@@ -167,7 +167,7 @@ def tidy(folder: Path) -> None:
 
 
 class Finals:
-    """A job for the final frames of every finished result; frames stay when such a job is tried again."""
+    """An iterable of jobs, one for the final frames of each finished result; a repeated job keeps rendered frames."""
 
     def __init__(self, plan: Iterable[Job], store: Store, frames: str) -> None:
         # frames: "1-24"; or "" for those that the look was made for, else the scene's own
@@ -184,7 +184,10 @@ class Finals:
 
 
 def takes(shots: list[dict[str, Any]], blends: list[str], frames: str) -> tuple[Take, ...]:
-    """The renders of a vibe's shots: each .blend through each of its cameras, once."""
+    """The renders of final frames for a vibe's shots: each .blend through each of its cameras, once.
+
+    `shots` are those of report.json, `blends` the names of their .blends, `frames` as in `Take`; "" for the shots' own.
+    """
     if not shots:
         return (Take(0, frames=frames),)
     grouped: dict[tuple[str, str], list[dict[str, Any]]] = {}
@@ -214,12 +217,12 @@ class Sheet:
         self._next = 0.0
 
     def update(self) -> None:
-        """Writes everything anew, unless that was done a moment ago."""
+        """Rewrites the sheet and the tables, at most every 5 seconds and for at most 5 % of the time."""
         if time.monotonic() >= self._next:
             self.write()
 
     def write(self) -> None:
-        """Writes everything anew, a row at a time. Raises VibeError if it cannot be written."""
+        """Rewrites the sheet and the tables, a row at a time. Raises VibeError if they cannot be written."""
         start = time.monotonic()
         # Style and scripts are inside the page: browsers load hardly any other file for one that is opened from disk.
         texts = {part.name: part.read_text("utf-8") for part in _PAGE.iterdir() if part.is_file()}

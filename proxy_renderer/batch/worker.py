@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A warm Blender that carries out jobs, and the files of a finished job for the sheet."""
+"""A Blender process that stays open from job to job, and the files of a finished job for the contact sheet."""
 
 import contextlib
 import io
@@ -30,7 +30,10 @@ _TICK = 0.5  # seconds between two checks of a job's time and memory
 
 
 def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
-    """Completes a job's folder after Blender has written its files; `done.json` is written last."""
+    """Adds small images, details.js and, last, done.json to a finished vibe's folder; returns the job's row.
+
+    `memory_gb` and `seconds` are the job's peak memory and duration. Raises VibeError without its report or images.
+    """
     report = read_json(folder / "report.json")
     if report is None:
         raise VibeError(f"{folder.name} holds no report.", "See the job's log.")
@@ -60,7 +63,7 @@ def leave(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
 
 
 def leave_frames(job: Job, folder: Path, memory_gb: float, seconds: float) -> JobRow:
-    """Completes a job's folder after its final frames have been rendered."""
+    """Writes final.json after a job's final frames have been rendered; returns the job's row. Arguments as `leave`."""
     count = sum(1 for _ in (folder / FRAMES).rglob("*.png"))
     row = head(job) | {"status": "done", "wanted": job.frames, "frames": count}
     row |= {"seconds": round(seconds, 2), "memory_gb": memory_gb}
@@ -69,7 +72,7 @@ def leave_frames(job: Job, folder: Path, memory_gb: float, seconds: float) -> Jo
 
 
 def _details(job: Job, report: dict[str, Any]) -> bytes:
-    """The details of a job for the sheet: a script, because pages from disk may load nothing else."""
+    """details.js, a job's details for the sheet: a script, because pages opened from disk can load nothing else."""
     parameters = report.get("parameters", {})
     rows = []  # label, old value, new value and reason of each parameter whose values differ as text
     for key, change in sorted(parameters.items(), key=lambda item: -item[1].get("moved", 0.0)):
@@ -94,7 +97,7 @@ class Setup:
 
     limits: Limits = field(default_factory=Limits)  # of each job
     variables: dict[str, str] = field(default_factory=dict)  # environment variables to add
-    command: tuple[str, ...] = ()  # the script that carries out jobs; empty for Blender
+    command: tuple[str, ...] = ()  # Python's arguments for the script that carries out jobs; () for Blender's side
 
 
 class Interrupted(Exception):
@@ -102,7 +105,7 @@ class Interrupted(Exception):
 
 
 class Worker:
-    """Carries out jobs in one Blender process, started when needed, on the CPU cores `cores`; () for all."""
+    """Carries out jobs in one Blender process, started when needed; `cores`: numbers of its CPU cores, () for all."""
 
     def __init__(self, setup: Setup, cores: Sequence[int] = ()) -> None:
         self._setup, self._cores = setup, list(cores)
@@ -112,7 +115,7 @@ class Worker:
         self._closed = False
 
     def run(self, job: Job, folder: Path) -> JobRow:
-        """Carries out a job; its `done.json` is written last. Raises Interrupted if the worker was closed."""
+        """Carries out a job in `folder`; its row is "done" or "failed". Raises Interrupted if the worker was closed."""
         self._start, self._next_check, self._peak_gb = time.monotonic(), 0.0, 0.0
         tidy(folder)
         try:

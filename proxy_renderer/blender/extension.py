@@ -24,7 +24,7 @@ _OF_THE_COMMAND = ("cli", "batch", "blender", "preset.py")
 
 
 def build(out: Path) -> Path:
-    """Builds and validates OUT/vibe_render-VERSION.zip, which names this Python; raises VibeError if that fails."""
+    """Builds and validates OUT/vibe_render-VERSION.zip; returns its path. Raises VibeError if that fails."""
     with tempfile.TemporaryDirectory() as scratch:
         package = Path(scratch) / "vibe_render"
         _assemble(package)
@@ -47,7 +47,10 @@ def repository(out: Path) -> Path:
 
 
 def install(blender: str = "") -> str:
-    """Builds, installs and enables the extension; `blender` is the program, its folder, or "" for the one on the PATH."""
+    """Builds, installs and enables the extension; returns a message. Raises VibeError if that fails.
+
+    `blender` is Blender's program or its folder; "" for the program on the PATH.
+    """
     if blender:
         place = Path(blender).expanduser()
         candidates = (place / name for name in ("", "blender", "blender.exe", "Contents/MacOS/Blender"))
@@ -71,7 +74,7 @@ def install(blender: str = "") -> str:
 
 
 def _assemble(package: Path) -> None:
-    """Puts the add-on, the schema, the engine's code and the note about this Python together."""
+    """Copies add-on, schema and engine's code to the folder `package`, and notes the path of this Python there."""
     here = Path(__file__).parents[1]
     leftovers = shutil.ignore_patterns(*_LEFTOVERS)
     shutil.copytree(blender_side().parent, package, ignore=leftovers)
@@ -89,7 +92,7 @@ def _assemble(package: Path) -> None:
 
 
 def _ask(*arguments: str) -> None:
-    """Runs Blender's own extension tool, which comes with the bpy package. Raises VibeError if it fails."""
+    """Runs Blender's extension tool, part of the bpy package, with these arguments. Raises VibeError if it fails."""
     spec = importlib.util.find_spec("bpy")
     places = (spec.submodule_search_locations or []) if spec else []
     tools = [tool for place in places for tool in Path(place).glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py")]

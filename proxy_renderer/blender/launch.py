@@ -29,12 +29,12 @@ from ..schema import VibeError, atomic, errors
 
 _TRACE = re.compile(r"(Fatal Python error|Current thread|Thread 0x|Extension modules|\s+File |EGL Error|VIBE )")
 _TELLING = re.compile(r"error|exception|abort|fail|invalid|corrupt|not a ", re.IGNORECASE)
-_LAST = 20  # last lines among which the one that explains a crash is looked for
+_LAST = 20  # number of last lines that are searched for the one that explains a crash
 _MARK = "VIBE "
 
 
 class TerminalBar(Progress):
-    """A progress bar in a terminal, plain lines elsewhere; None is standard output. Use it as a context manager."""
+    """A progress bar on `stream` (None: standard output), plain lines if it is no terminal; a context manager."""
 
     def __init__(self, columns: Sequence[Any], stream: TextIO | None, transient: bool, **task: Any) -> None:
         self._stream = stream or sys.stdout
@@ -103,7 +103,7 @@ class VibeProgress(TerminalBar):
 
 
 def crash(code: int, doing: str, output: Sequence[str]) -> errors.UnexpectedError:
-    """The error for a Blender that ended with an exit code, or a signal (negative); its output goes to a log."""
+    """The error for a Blender that crashed while `doing`; `code`: exit code or minus a signal. Logs `output`."""
     log = errors.write_log(f"Blender ended while {doing}, exit code {code}\n\n" + "".join(output))
     kind = signal.strsignal(-code) if code < 0 else None
     last = last_words(output)
@@ -116,7 +116,7 @@ def crash(code: int, doing: str, output: Sequence[str]) -> errors.UnexpectedErro
 
 
 def last_words(output: Sequence[str]) -> str:
-    """The one of the last lines of output that says most about a crash."""
+    """The first of the last lines of output that mentions an error, else the first of them; "" without output."""
     lines = [line.strip() for line in output if line.strip() and not _TRACE.match(line)][-_LAST:]
     return (list(filter(_TELLING.search, lines)) or lines or [""])[-1][:200].rstrip(".")
 
@@ -148,8 +148,9 @@ def _family(number: int) -> list[psutil.Process]:
 def launch(arguments: list[str], out: Path, progress: VibeProgress | None = None) -> int:
     """Runs batch.py with these arguments to its end; returns the command's exit code: 0, or 130 after a second Ctrl-C.
 
-    Ctrl-C is passed on once, and Blender's side then finishes with the best so far; a second one ends it at once. Without
-    `progress`, the outcome and what to open in `out` are printed. Raises VibeError if Blender's side reports one, or died.
+    The first Ctrl-C is passed on, and Blender's side then finishes with the best so far; a second one ends it at once.
+    Without `progress`, prints the outcome and the file in `out` to open. Raises VibeError if Blender's side reports
+    an error or crashes.
     """
     told = progress is None
     progress = progress or VibeProgress()
@@ -256,7 +257,7 @@ def blender_side() -> Path:
 
 
 def environment() -> dict[str, str]:
-    """For Blender's side: this process's environment, with a clone's own packages first."""
+    """Environment variables for Blender's side: this process's, with a clone's packages first on PYTHONPATH."""
     root = Path(__file__).resolve().parents[2]
     paths = [str(root), str(root / "addon")] if (root / "addon").is_dir() else []
     inherited = filter(None, [os.environ.get("PYTHONPATH", "")])

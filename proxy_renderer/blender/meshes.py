@@ -35,7 +35,7 @@ _NUMBERS = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125
 
 
 def read_gltf(path: Path) -> tuple[dict[str, Any], bytes]:
-    """The document and the binary chunk of a .glb or .gltf; b"" where it has none."""
+    """The JSON document and the binary chunk of a .glb or .gltf; the chunk is b"" if there is none."""
     raw = path.read_bytes()
     if raw[:4] != MAGIC:
         return json.loads(raw), b""
@@ -75,7 +75,7 @@ def is_packed(path: Path) -> bool:
 
 
 def unpacked(path: Path, folder: Path) -> Path:
-    """Writes an uncompressed .glb of the same name into a folder. Raises VibeError if its geometry cannot be decoded."""
+    """Writes a Draco-compressed glTF as an uncompressed .glb into a folder; returns its path, or raises VibeError."""
     try:
         document, binary = read_gltf(path)
         data = _joined(document, binary, path.parent)
@@ -96,7 +96,7 @@ def unpacked(path: Path, folder: Path) -> Path:
 
 
 def _joined(document: dict[str, Any], binary: bytes, folder: Path) -> bytearray:
-    """All buffers as one; in `document`, the views then refer to it, and paths of image files are absolute."""
+    """All buffers of a glTF as one; makes `document` refer to it, and paths of image files in `document` absolute."""
     data, starts = bytearray(), []
     for buffer in document.pop("buffers", ()):
         data += bytes(-len(data) % 4)
@@ -136,7 +136,7 @@ def _unpack(document: dict[str, Any], data: bytearray, primitive: dict[str, Any]
 
 
 def _store(document: dict[str, Any], data: bytearray, accessor: dict[str, Any], values: np.ndarray) -> None:
-    """Appends an accessor's values, each row at a multiple of four bytes, as glTF requires."""
+    """Appends an accessor's values to `data`, each row at a multiple of four bytes, as glTF requires."""
     data += bytes(-len(data) % 4)
     rows = values.reshape(len(values), -1)
     size = rows.shape[1] * rows.itemsize
@@ -161,7 +161,7 @@ def _write(path: Path, document: dict[str, Any], data: bytearray) -> None:
 
 @contextmanager
 def prepared(scene: Path) -> Iterator[Path]:
-    """The file for Blender: the scene, or an uncompressed copy that exists inside the block. Refuses bad meshes."""
+    """Yields the file for Blender: `scene`, or an uncompressed copy for the block. Raises VibeError for bad meshes."""
     if scene.suffix.lower() == ".blend":
         yield scene
         return
@@ -174,7 +174,10 @@ def prepared(scene: Path) -> Iterator[Path]:
 
 
 def check(path: Path) -> None:
-    """Raises VibeError for a file that is broken, or whose meshes have no faces, no size or infinite coordinates."""
+    """Raises VibeError for a broken file, or if its meshes have no faces, no size or coordinates that are not finite.
+
+    Text files over 16 MB and variants that trimesh does not know pass unchecked.
+    """
     with path.open("rb") as file:
         is_text = b"\0" not in file.read(1024)
     if is_text and path.stat().st_size > _LONGEST_TEXT:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`vibe doctor`: what is installed, what works, and what to do about what does not."""
+"""`vibe doctor`: checks the parts of the installation, and says what to do about those that do not work."""
 
 import importlib
 import json
@@ -69,7 +69,7 @@ def _blender(config: list[str]) -> str:
 
 
 def _imported(what: str, remedy: str, *names: str) -> ModuleType:
-    """The last of some modules. Raises VibeError if one of them cannot be imported."""
+    """Imports the modules `names` and returns the last; if one fails, raises VibeError on `what`, with `remedy`."""
     try:
         return [importlib.import_module(name) for name in names][-1]
     except (ImportError, OSError) as error:
@@ -104,7 +104,7 @@ def _encoder() -> str:
 
 
 def _model() -> str:
-    """The answer to one cheap question with an image, if a vision-language model is configured."""
+    """A line on a model's answer to one cheap question with an image, or a line that no model is configured."""
     if endpoint := find_endpoint(Options()):
         return try_model(endpoint)
     return "none, the offline planner does without (VIBE_VLM_MODEL names one)"

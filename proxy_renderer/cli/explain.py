@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`vibe explain`: what a prompt would do to a scene, or to a plain one."""
+"""`vibe explain`: the changes that a prompt would make to a given scene, or to a plain one."""
 
 import json
 import sys
@@ -33,7 +33,7 @@ _SIZE = 96  # pixels of the longer side: no picture is drawn, rays only find wha
 def account(
     prompt: str, form: str = "text", scene: Path | None = None, subject: Sequence[str] = (), target: Sequence[str] = ()
 ) -> str:
-    """The meaning of a prompt for a scene.
+    """The text that `vibe explain` prints: the meaning of a prompt for a scene.
 
     Args:
         form: "text", "json", "goals" for the goals alone, as `vibe run --goals` reads them, or "why" for the reasons
@@ -66,7 +66,7 @@ def account(
 
 
 def _light(goals: Goals, stage: "StagedScenes | None") -> list[str]:
-    """Lines on the rig that the words ask for: the light for each of its parts; without a scene, the settings of each."""
+    """Lines on the rig that the words ask for: the light for each of its parts, or, without `stage`, their settings."""
     if stage:
         return list(stage.lighting.notes) if stage.lighting else []
     chosen = chosen_rig(goals, rig_table(), default_vocabulary())

@@ -66,7 +66,7 @@ def _demo(a: argparse.Namespace) -> int:
 
 
 def carry_out(a: argparse.Namespace, what: str, scenes: Sequence[Path] = ()) -> int:
-    """Checks everything that can be checked without Blender, then starts it."""
+    """Checks everything that can be checked without Blender, then runs command `what` in it; returns the exit code."""
     looks = [look for _, look in checks.moments(a)]
     if not (looks or getattr(a, "markers", False)):
         checks.prompt(a.prompt, a.like, a.goals, a.then)
@@ -258,7 +258,7 @@ def _extension(a: argparse.Namespace) -> int:
 
 
 class Command(NamedTuple):
-    """A command: its line in the help, what adds its options to a parser, and what returns its exit code."""
+    """A command: its line in the help, a function that adds its options, and one that returns its exit code."""
 
     summary: str
     add_options: Callable[[argparse.ArgumentParser], None]
@@ -289,7 +289,7 @@ class Parser(argparse.ArgumentParser):
     program = "vibe"
 
     def error(self, message: str) -> NoReturn:
-        """Exits with code 2."""
+        """Prints the message and exits with code 2."""
         self.exit(2, f"{self.program}: {message[:1].upper()}{message[1:]}. See `{self.prog} --help`.\n")
 
 
@@ -327,7 +327,7 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
 
 
 def parser() -> argparse.ArgumentParser:
-    """The command line, with its help."""
+    """The parser of the whole command line, with its help."""
     top = Parser(
         prog="vibe",
         description="Type a vibe, get Blender node values that render it.",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Answers while the artist types: how words are read, and a first look at them."""
+"""Answers while the artist types: the reading of each word, and a first look (values from the words alone)."""
 
 import contextlib
 import functools
@@ -25,7 +25,7 @@ from .session import pick_device
 
 
 def answer(request: messages.AskReadings) -> messages.Readings:
-    """The words of a prompt as a vibe of the exported scene understands them; raises VibeError if it cannot be read."""
+    """Readings of a prompt's words, as a vibe would understand them; raises VibeError for an unreadable job folder."""
     # Without a job only names are known, and all objects count as the subject.
     objects = request.objects
     scene = SceneDescription(
@@ -42,12 +42,12 @@ def answer(request: messages.AskReadings) -> messages.Readings:
 
 @functools.lru_cache(maxsize=1)
 def _described(job: str, written: int) -> SceneDescription:
-    """The description of an exported scene; `written` is the file's time, so that a newer export is read anew."""
+    """The description of the scene in folder `job`; `written`: time of its scene.json, so that a new one is read."""
     return described(load_scene(job))
 
 
 def readings(prompt: str, scene: SceneDescription, target: Sequence[str] = ()) -> messages.Readings:
-    """The words of a prompt as a vibe of a scene understands them; `target` has the artist's choices: "copper=Cup"."""
+    """Readings of a prompt's words, as a vibe would understand them; `target`: the artist's choices, "copper=Cup"."""
     if not prompt.strip():
         return messages.Readings(prompt)
     understood = Understood(prompt, scene, target)
@@ -79,7 +79,7 @@ class Glances:
         self._proxies: dict[tuple[str, ...], Proxy] = {}
 
     def look(self, request: messages.Glance, stopped: Callable[[], bool]) -> EarlyLook | None:
-        """The first look; None if the request was `stopped`, or no word is known. Raises VibeError for an unreadable job."""
+        """The first look; None if `stopped` returns True or no word is known. Raises VibeError for a bad job."""
         options = messages.Options.from_dict(request.options)
         if self._found is None or request.job != self._job:
             self._job, self._found = request.job, load_scene(Path(request.job))

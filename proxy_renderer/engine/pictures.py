@@ -37,10 +37,10 @@ _UNIT = re.compile(rf"{_EAST_ASIAN.pattern}|\s*(?:(?!{_EAST_ASIAN.pattern})\S)+"
 
 @torch.no_grad()
 def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path, figures: bool) -> tuple[list[str], Image.Image]:
-    """Draws the values found in shot `number` (from 0) by its full-size proxy, into its job folder.
+    """Draws shot `number` (from 0) at the values found, by its full-size proxy, into the shot's job folder `job`.
 
-    With `figures`, and if there is an anchor, also draws the predictions without the last anchor and without any anchor. Returns the
-    keys of `PICTURES` that were drawn, and the share of each pixel that the subject covers, as an image.
+    With `figures`, and if there is an anchor, also draws the predictions without the last and without any anchor.
+    Returns the keys of `PICTURES` that were drawn, and a gray image: the share of each pixel that the subject covers.
     """
     anchor = outcome.shots[number].anchor
     corrections = {"shown": anchor.correction}
@@ -55,7 +55,7 @@ def predict(proxy: Proxy, outcome: Outcome, number: int, job: Path, figures: boo
 
 @torch.no_grad()
 def predict_variants(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> list[Image.Image]:
-    """Draws a shot of every variant, into its job folder, see `VARIANT`. Arguments as for `predict`."""
+    """Images of a shot at the values of each variant, also saved as `VARIANT`. Arguments as for `predict`."""
     pictures = []
     for place, look in enumerate(outcome.variants, start=1):
         proxy.correction = look.shots[number].anchor.correction
@@ -65,7 +65,7 @@ def predict_variants(proxy: Proxy, outcome: Outcome, number: int, job: Path) -> 
 
 
 def difference(predicted: np.ndarray, after: np.ndarray, subject: np.ndarray) -> dict[str, float]:
-    """CIEDE2000 of two sRGB images (H, W, 3): "mean", "p95" and the mean over the "subject" with coverage (H, W), if there is one."""
+    """CIEDE2000 of two sRGB images (H, W, 3): "mean", "p95", and "subject" where coverage `subject` (H, W) is > 0.5."""
     labs = (lab_from_srgb(torch.from_numpy(picture)) for picture in (predicted, after))
     errors = ciede2000(*labs).numpy()
     figures = {"mean": errors.mean(), "p95": np.percentile(errors, 95)}
@@ -91,7 +91,7 @@ def save_image(image: Image.Image, path: Path) -> None:
 
 
 def load_picture(path: Path | str, shape: tuple[int, int] | None = None) -> np.ndarray:
-    """Reads an image as (H, W, 3) float32 in [0, 1], resized to a width and height if given; transparent pixels show black."""
+    """Reads an image, on black, as (H, W, 3) float32 in [0, 1]; `shape`: (width, height) to resize to, or None."""
     with Image.open(path) as image:
         flat = Image.alpha_composite(Image.new("RGBA", image.size, (0, 0, 0, 255)), image.convert("RGBA"))
     shown = flat.convert("RGB").resize(shape or flat.size, Image.Resampling.LANCZOS)
@@ -99,7 +99,10 @@ def load_picture(path: Path | str, shape: tuple[int, int] | None = None) -> np.n
 
 
 def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str, fonts: Path) -> Image.Image:
-    """A sheet of panels, `rows` of (label, image) with the height of the first, above the prompt in at most four lines ("" for none)."""
+    """A sheet of `rows` of (label, image) panels, above the prompt in at most four lines ("" for none).
+
+    Each row has the height of its first panel; `fonts` is the folder of Blender's fonts.
+    """
     title = font(26, prompt, fonts)
     label = font(18, "".join(name for row in rows for name, _ in row), fonts)
     sizes = []
@@ -125,7 +128,7 @@ def compare(rows: Sequence[Sequence[tuple[str, Image.Image]]], prompt: str, font
 
 
 def font(size: int, text: str, fonts: Path) -> Font:
-    """A font of a size in pixels that has the characters of a text; Pillow's small one where Blender's fonts are missing."""
+    """A font of a size in pixels with the characters of `text`; Pillow's own if the folder `fonts` has no such font."""
     try:
         return ImageFont.truetype(str(fonts / (_CJK if _EAST_ASIAN.search(text) else _LATIN)), size)
     except OSError:

@@ -27,7 +27,7 @@ from ..words.types import PromptWord
 
 
 def search_facts(outcome: Outcome, words: Sequence[PromptWord]) -> dict[str, Any]:
-    """Parameters, rounds, and how the prompt is understood."""
+    """Fields of report.json on the search: goals, parameters, rounds, versions, and the reading of the prompt."""
     goals, prompts = outcome.goals, outcome.prompts
     versions = {"vibe-render": __version__, "python": platform.python_version()}
     for package in ("torch", "open_clip_torch", "numpy", "opencolorio", "trimesh"):
@@ -53,7 +53,7 @@ def search_facts(outcome: Outcome, words: Sequence[PromptWord]) -> dict[str, Any
 
 
 def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
-    """A record of each parameter: "moved" is a distance on the perceptual scale; "priority" 0 comes first, None stays."""
+    """Parameter -> record: "moved" is a distance on the perceptual scale; "priority" 0 comes first, None stays."""
 
     def plain(values: Values) -> float | list[float]:
         return values[0] if len(values) == 1 else list(values)
@@ -78,13 +78,16 @@ def parameter_records(outcome: Outcome) -> dict[str, dict[str, Any]]:
 
 
 def changed_values(outcome: Outcome, shot: ShotState | None = None) -> dict[str, list[float]]:
-    """Key -> components, of all values that differ from the artist's scene, with the keys of a shot, or of the first."""
+    """Key -> components of each value that differs from the artist's scene; keys are those of `shot`, or the first."""
     vector = (shot or outcome).vector
     return {k: list(v) for k, v in vector.changes(outcome.u).items()}
 
 
 def anchored(outcome: Outcome, blenders: Sequence[BlenderPictures]) -> dict[str, Any]:
-    """{"anchored": {"pictures", "predicted", "notes"}} on the anchors; "predicted" is how far the last ones were from predictions."""
+    """{"anchored": {"pictures", "predicted", "notes"}} on the anchors, for report.json.
+
+    "predicted" is the mean ΔE of the proxy's predictions from the last anchors; it is missing without anchors.
+    """
     pictures = []
     for shot, blender in zip(outcome.shots, blenders, strict=True):
         pairs = zip(shot.records, blender.seconds, strict=True)
@@ -96,7 +99,7 @@ def anchored(outcome: Outcome, blenders: Sequence[BlenderPictures]) -> dict[str,
 
 
 def claims_about(outcome: Outcome) -> list[ShotClaims]:
-    """The claims about each shot."""
+    """The claims about each shot, with its G-buffers at the artist's values and at the values found."""
     found = []
     for shot in outcome.shots:
         assert shot.before is not None, "the loop has begun"
@@ -105,7 +108,7 @@ def claims_about(outcome: Outcome) -> list[ShotClaims]:
 
 
 def foreseen(outcome: Outcome, claims: list[ShotClaims]) -> list[dict[str, Any]]:
-    """Verdicts on the first shot's prediction, which its last anchor corrects."""
+    """Verdicts on the first shot's claims by the proxy's prediction, which the last anchor corrects."""
     shot = outcome.shots[0]
     assert shot.before is not None, "the loop has begun"
     with torch.no_grad():
@@ -117,18 +120,19 @@ def foreseen(outcome: Outcome, claims: list[ShotClaims]) -> list[dict[str, Any]]
 
 
 _HELPS = 1.0  # noticeable steps of a claim: a value whose whole range changes the claim by less does not help it
-_LEFT = 0.5  # a value whose rest of the range could bring less is at the end of its range
-_WORSE = 0.3  # another claim that a value's step makes worse by as much conflicts
+_LEFT = 0.5  # noticeable steps: a value is at the end of its range if the rest of the range gains less
+_WORSE = 0.3  # noticeable steps: a claim conflicts if a value's step makes it worse by as much
 _NOTHING = dict.fromkeys(("word", "state", "missing", "why", "unlock"), "")
 _UNLIT = 0.005  # linear display value up to which a gray surface counts as reached by no light
 
 
 def word_verdicts(outcome: Outcome, rows: Sequence[Mapping[str, Any]], seen: GBuffer) -> list[dict[str, str]]:
-    """A row for each word, and one with the word "" for each missed rule that holds for every image, from a shot's verdicts on claims.
+    """A row for each word, then one with the word "" for each missed rule that is meant for every image.
 
-    A word's "state" is "visible", "already" (satisfied before the search), "unmeasured" or "missed". For a missed word, "missing"
-    compares the value with the wanted one, "why" gives the reason, and "unlock" the key of a value whose lock is the reason, or "".
-    `seen` is the G-buffer of the first shot with the values found.
+    `rows` are a shot's verdicts on claims; `seen` is the first shot's G-buffer at the values found. A word's "state" is
+    "visible", "already" (satisfied before the search), "unmeasured" or "missed". For a missed word, "missing" compares
+    its value with the wanted one, and "why" is the reason; "unlock" is the key of a value whose lock is the reason, or
+    "".
     """
     goals, states, found = outcome.goals, word_states(rows), []
     vague = default_vocabulary().lists["unmeasured"]
@@ -152,7 +156,7 @@ def word_verdicts(outcome: Outcome, rows: Sequence[Mapping[str, Any]], seen: GBu
 
 
 def _missing(row: Mapping[str, Any]) -> str:
-    """A missed claim as text: "color of the wall is #b09080, wanted #cceede"."""
+    """Text on a missed claim, from its verdict: "color of the wall is #b09080, wanted #cceede"."""
     about = MEASURES[row["measure"]].sentence.format("image" if row["thing"] == "picture" else row["thing"])
     after = f"{row['after']:.3g}" if isinstance(row["after"], float) else row["after"]
     unit = f" {row['unit']}" if row["unit"] and not str(after).startswith("#") else ""
@@ -160,7 +164,7 @@ def _missing(row: Mapping[str, Any]) -> str:
 
 
 def _obstacle(outcome: Outcome, number: int, seen: GBuffer) -> dict[str, str]:
-    """The reason why a claim is missed: "why" as text, and "unlock" with the key of a value whose lock is the reason."""
+    """The reason why claim `number` is missed: "why" (text), and "unlock", the key of a value that a lock keeps."""
     claim, table = outcome.claims[number], quantities()
 
     # All values that could serve the claim may be locked.
@@ -183,7 +187,7 @@ def _obstacle(outcome: Outcome, number: int, seen: GBuffer) -> dict[str, str]:
 
 
 def _opponent(outcome: Outcome, number: int) -> str:
-    """The reason, as text, why the values that may change miss a claim, by the linear model of the last steps; "" without a model."""
+    """The reason why unlocked values miss claim `number`, by the linear model of the last steps; "" without a model."""
     known = outcome.descent.known if outcome.descent else None
     regions = [where for shot in outcome.shots if shot.claims for where in enumerate(shot.claims.regions)]
     measured = [i for i, where in regions if where is not None]  # numbers of claims, shot by shot

@@ -61,8 +61,8 @@ class EngineSession:
         known: KnownPicture | None = None,
     ) -> None:
         self.shots, self.prompt, self.options, self._observer = shots, prompt, options, observer
-        self._known = known  # the last anchor of the vibe before
-        self._encoder: Encoder  # `run` sets it, and the next
+        self._known = known  # the last anchor of the previous vibe
+        self._encoder: Encoder  # set by `run`, as is `_outcome`
         self._outcome: pipeline.Outcome
         endpoint = find_endpoint(options, vlm_key)
         self._model = Client(endpoint, observer.stopped) if endpoint else None
@@ -71,7 +71,7 @@ class EngineSession:
         self._rows: list[list[tuple[str, Image.Image]]] = []  # of compare.png: one for each shot
 
     def run(self) -> messages.Result:
-        """Finds the values and reports on them; `draw` makes its images. Raises VibeError for a bad job, prompt or encoder."""
+        """Searches for values and reports on them; `draw` makes the images. Raises VibeError for unusable input."""
         options, observer, began = self.options, self._observer, time.monotonic()
         observer.stage("loading the encoder")
         encoder = self._encoder = load_encoder(options.encoder or None, pick_device(options.device))
@@ -145,7 +145,7 @@ class EngineSession:
             pictures.save_image(self._sheet(rows), Path(self.shots[0].job) / messages.VARIANTS)
 
     def finish(self, request: messages.Finish) -> messages.Finished:
-        """Verdicts on Cycles' renders of a shot, and the sheet that compares them; after `draw`, in the order of shots."""
+        """Verdicts on Cycles' renders of a shot; writes the sheet that compares them. After `draw`, shot by shot."""
         outcome, encoder = self._outcome, self._encoder
         before, after = (pictures.load_picture(p) for p in (request.before, request.after))
         shape, shot = (after.shape[1], after.shape[0]), self.shots[request.shot]
@@ -176,7 +176,7 @@ class EngineSession:
         )
 
     def check(self, request: messages.Check) -> messages.Checked:
-        """Verdicts on Cycles' renders of another frame, by the claims of this vibe; after `run`."""
+        """Verdicts, by this vibe's claims, on Cycles' renders of another frame. Call after `run`."""
         before, after = (torch.from_numpy(pictures.load_picture(p)) for p in (request.before, request.after))
         scene, size = load_scene(Path(request.job)), (after.shape[1], after.shape[0])
         seen = Proxy(scene, size, str(self._encoder.device), self.options.seed).gbuffer({})
@@ -207,7 +207,7 @@ def _label(name: str, shot: messages.Shot) -> str:
 
 @torch.no_grad()
 def _similarity(encoder: Encoder, caption: str, picture: np.ndarray) -> float:
-    """Cosine of an image (H, W, 3) and a caption (equation 2)."""
+    """Cosine similarity of an image (H, W, 3) and a caption in the encoder's space (equation 2)."""
     batch = torch.from_numpy(picture).permute(2, 0, 1)[None].to(encoder.device)
     features = encoder.encode_images(regions.whole(batch, encoder.size))
     return round(float((features @ encoder.encode_texts([caption]).T).item()), 4)

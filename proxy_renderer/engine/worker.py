@@ -36,7 +36,7 @@ _ANSWER_SECONDS = 600.0  # most that Blender may take to answer: it may be rende
 
 
 class Wire:
-    """The connection to the other side: it sends messages, and sorts those that arrive."""
+    """The connection to Blender's process: sends messages, and sorts those that arrive into queues."""
 
     def __init__(self, source: BinaryIO, sink: BinaryIO) -> None:
         self._source, self._sink = source, sink
@@ -81,7 +81,7 @@ class Wire:
 
 
 class RemoteObserver:
-    """Tells the other side how the loop goes, and the loop when to end."""
+    """Reports the search's progress to Blender's process, and tells the search when to end."""
 
     def __init__(self, wire: Wire, job: Path, wants_looks: bool = False) -> None:
         self._wire, self._job, self.wants_looks = wire, job, wants_looks
@@ -92,18 +92,21 @@ class RemoteObserver:
         self._wire.send(messages.Stage(name))
 
     def begin(self, display: Tensor, lit: bool) -> None:
-        """Sends the image (H, W, 3) of the artist's own values; if nothing is `lit`, Blender may end the vibe."""
+        """Sends the image (H, W, 3) of the artist's values; `lit`: False if it is black and the words add no light."""
         from .pictures import save_picture
 
         save_picture(display, self._job / BEFORE)
         self._wire.send(messages.Stage("looking for the look", BEFORE, lit))
 
     def look(self, look: EarlyLook) -> None:
-        """Sends an early look; if its image is not drawn yet, the last one stays."""
+        """Sends an early look; if its image is not drawn yet, the previous image stays."""
         self._wire.send(look_message(look, self._job))
 
     def step(self, progress: messages.Progress, display: Tensor) -> bool:
-        """Reports a step, at most ten a second, with its image (H, W, 3) about once a second; returns whether the loop should end."""
+        """Reports a step and its image (H, W, 3); returns True if the search should end.
+
+        Reports are sent at most ten times a second and after a round's last step, images at most once a second.
+        """
         from .pictures import save_picture
 
         now = time.monotonic()
@@ -116,11 +119,11 @@ class RemoteObserver:
         return self.stopped()
 
     def stopped(self) -> bool:
-        """True to end the loop."""
+        """True if the search should end."""
         return self._wire.stop.is_set()
 
     def ask(self, request: messages.Anchor) -> messages.Anchored | None:
-        """Has Blender render; returns its answer, which holds an error if that fails or takes too long, or None to end the loop."""
+        """Blender's answer to a request for a render, an error if that fails or is late; None to end the search."""
         if not self.stopped():
             self._wire.send(request)
         end = time.monotonic() + _ANSWER_SECONDS
@@ -182,7 +185,7 @@ def serve(source: BinaryIO, sink: BinaryIO) -> None:
 
 
 def _error(request: messages.Message | VibeError, error: Exception) -> messages.Error:
-    """The message for an error on the way to an answer."""
+    """The message for an error that was raised while a request was answered."""
     if isinstance(error, MemoryError):
         return messages.Error("The engine ran out of memory.", "Use a smaller --size or a lighter scene.")
     if isinstance(error, OSError) and atomic.is_full(error):
@@ -193,7 +196,10 @@ def _error(request: messages.Message | VibeError, error: Exception) -> messages.
 
 
 def _vibe(wire: Wire, request: messages.Vibe, known: KnownPicture | None) -> EngineSession:
-    """Carries out one vibe and sends its result; a further sentence begins with the image `known`, the last anchor of the vibe before."""
+    """Carries out one vibe, sends its result, and returns its session.
+
+    A further sentence starts from `known`, the last anchor of the previous vibe; None for other vibes.
+    """
     check_schema(request.schema, "add-on")
     options = messages.Options.from_dict(request.options)
     job = Path(request.job)
@@ -239,7 +245,7 @@ def _read_words(wire: Wire) -> None:
 
 
 def _warm_up() -> None:
-    """Imports torch, and loads the embedded encoder and the vocabulary; what fails here is reported by the vibe that needs it."""
+    """Imports torch, and loads the embedded encoder and the vocabulary; errors are reported when a vibe needs them."""
     if sys.platform == "linux":
         # Nobody has asked yet. At a priority of 10, of 19, an engine on a busy machine took a minute to be warm.
         os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 5)
@@ -255,7 +261,8 @@ def _warm_up() -> None:
 def keep_freed_memory() -> None:
     """Has glibc, on Linux, keep up to 1 GiB of freed memory.
 
-    By default it returns arrays over 32 MB, and clears the pages of the next: steps at 2048² pixels took twice as long.
+    By default, glibc returns arrays over 32 MB to the system, which clears the pages of new ones: steps at 2048² pixels
+    took twice as long.
     """
     if sys.platform == "linux" and hasattr(library := ctypes.CDLL(None), "mallopt"):
         for threshold in (-3, -1):  # M_MMAP_THRESHOLD and M_TRIM_THRESHOLD of mallopt(3)

@@ -16,7 +16,7 @@ _DEVICE = re.compile(r"auto|cpu|(cuda|xpu)(:\d+)?")
 
 
 def file(name: str, what: str) -> Path:
-    """The absolute path of an existing file that can be read and is not empty."""
+    """The absolute path of an existing, readable file that is not empty; `what`: its kind in error messages."""
     path = Path(name).expanduser()
     if path.is_dir():
         raise VibeError(f"{name} is a folder, not a {what}.", f"Name the {what} file in it.")
@@ -30,7 +30,7 @@ def file(name: str, what: str) -> Path:
 
 
 def scene(name: str) -> Path:
-    """An existing .blend or mesh. Raises VibeError if there is none, or it is of another format."""
+    """The absolute path of an existing .blend or mesh. Raises VibeError if there is none, or for other formats."""
     path = file(name, "scene")
     if path.suffix.lower() not in SCENES:
         raise VibeError(f"{name} is not a scene that can be opened.", f"Use one of: {' '.join(SCENES)}.")
@@ -85,7 +85,7 @@ def words(prompt: str, arguments: argparse.Namespace) -> None:
 
 
 def vocabulary(name: str) -> None:
-    """Loads the artist's vocabulary to check it, and sets it for this process and its children; "" for the default file."""
+    """Checks a vocabulary file by loading it, and sets it for this process and its children; "": the default file."""
     from ..words.lexicon.vocabulary import VARIABLE, default_vocabulary
 
     if name:

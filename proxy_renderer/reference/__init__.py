@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A reference image, in place of words or with them: its look as claims, and the values that may change for it."""
+"""A reference image, with or without words: claims about its look, and the values that may change for them."""

@@ -25,13 +25,13 @@ Pixels = tuple[np.ndarray, np.ndarray, bool]
 
 
 def small_size(width: int, height: int, longest: int = LONGEST) -> tuple[int, int]:
-    """Width and height with the longer one at most `longest`, and none below 1."""
+    """Width and height, scaled down so that the longer one is at most `longest`; neither becomes less than 1."""
     factor = min(1.0, longest / max(width, height))
     return max(1, round(width * factor)), max(1, round(height * factor))
 
 
 def shrunk_linear(color: np.ndarray, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A linear image (H, W, 3), weighted by its alpha (H, W) in [0, 1], and alpha, reduced to `small_size` by means of areas."""
+    """A linear image (H, W, 3) and its alpha (H, W), averaged over areas to `small_size`; alpha weights the colors."""
     size = small_size(color.shape[1], color.shape[0])
     channels = [alpha, *(color[..., c] * alpha for c in range(3))]
     planes = [Image.fromarray(np.ascontiguousarray(channel, np.float32)) for channel in channels]
@@ -62,7 +62,7 @@ _RAW = re.compile(r"\.(3fr|arw|cr[23w]|dng|erf|iiq|kdc|nef|nrw|orf|pef|raf|raw|r
 
 
 def read_encoded(path: Path) -> Pixels:
-    """Reads an image, of several frames or pages the first. Raises VibeError if it is no image, damaged or too large."""
+    """Reads an image, or the first of its frames or pages. Raises VibeError if it is no image, damaged or too large."""
     if _RAW.fullmatch(path.suffix.lower()):  # such a file is a TIFF with a thumbnail in it
         remedy = "Develop it, and save it as JPEG or TIFF."
         raise VibeError(f"{path.name} is a camera's raw picture, which has no look yet.", remedy)
@@ -127,7 +127,7 @@ def read_exr(path: Path) -> Pixels:
 
 
 def rec709_from(chromaticities: Sequence[float]) -> np.ndarray:
-    """Matrix (3, 3) to linear Rec.709 from CIE x and y of red, green, blue and white; the white is adapted to D65."""
+    """Matrix (3, 3) to linear Rec.709 from RGB with these CIE x, y of red, green, blue and white (adapted to D65)."""
 
     def xyz(x: float, y: float) -> np.ndarray:
         return np.array((x / y, 1.0, (1 - x - y) / y))
@@ -184,7 +184,7 @@ def read_radiance(path: Path) -> Pixels:
 
 
 def _scanlines(data: bytes, width: int, height: int) -> np.ndarray:
-    """Mantissas and exponents, uint8 (H, W, 4)."""
+    """The decoded pixels of an RGBE file: three mantissas and an exponent, uint8 (H, W, 4)."""
     start = bytes((2, 2, width >> 8, width & 255)) if 8 <= width < 1 << 15 else b""
     if not start or not data.startswith(start):
         return np.frombuffer(data, np.uint8, 4 * width * height).reshape(height, width, 4)
@@ -211,16 +211,16 @@ def _scanlines(data: bytes, width: int, height: int) -> np.ndarray:
 class ReferencePicture:
     """A reference image, read and reduced."""
 
-    # (H, W, 3) float32, sRGB-encoded, in [0, 1]. Of a linear image it is `linear` by the sRGB curve, clipped at white;
-    # `Reference.of` replaces it by `linear` as the scene's view transform shows it
+    # (H, W, 3) float32, sRGB-encoded, in [0, 1]. For a linear image, this is `linear` with the sRGB curve, clipped at
+    # white; `Reference.of` replaces it by `linear` with the scene's view transform
     display: np.ndarray
     linear: np.ndarray | None = None  # (H, W, 3) float32 linear Rec.709, at least 0; None for display colors
     alpha: np.ndarray | None = None  # (H, W) in [0, 1], how much each pixel counts; None if all count
-    panorama: bool = False  # whether it shows all directions, the longitude from left to right
+    panorama: bool = False  # True for an equirectangular image of all directions
 
 
 def read_reference(path: Path | str) -> ReferencePicture:
-    """Reads an image, reduced to at most 1024 pixels. Raises VibeError if there is no such file, or it cannot be read."""
+    """Reads an image, reduced to at most 1024 pixels a side. Raises VibeError for a missing or unreadable file."""
     found = check.file(str(path), "picture")
     with found.open("rb") as file:
         head = file.read(10)  # names can be wrong
@@ -239,7 +239,7 @@ def read_reference(path: Path | str) -> ReferencePicture:
 
 
 def _wraps(display: np.ndarray) -> bool:
-    """True for a panorama: twice as wide as high, with sides that fit together, and even at the top and the bottom."""
+    """True for a panorama: twice as wide as high, left and right edges alike, top row and bottom row of even color."""
     height, width = display.shape[:2]
     if height < 64 or abs(width - 2 * height) > 2:
         return False

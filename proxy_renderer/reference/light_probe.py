@@ -11,23 +11,23 @@ from ..schema import Values
 
 _BRIGHT = 6.0  # times the mean luminance; brighter pixels belong to the key
 _KEY = 0.1  # least share of all light that a key gives
-_NEAR = 4.0  # degrees by which the angles of the scene's key light may differ
-_SAME_COLOR = 0.03  # by which components of colors may differ
+_NEAR = 4.0  # degrees by which the angles of the scene's key light may differ from the panorama's
+_SAME_COLOR = 0.03  # linear; most by which components of colors may differ from the panorama's
 
 
 @dataclass(frozen=True)
 class LightProbe:
     """The light of a panorama, as if it were the world of a scene."""
 
-    azimuth: float | None  # of the key: degrees as in `schema.orbit`; None if no part stands out
-    elevation: float | None  # likewise
-    key: Values  # colors of the key and of the rest, linear, the greatest component 1
-    around: Values
-    ratio: float  # light of the key on a surface that faces it, in multiples of the rest's light
+    azimuth: float | None  # degrees, of the key, as in `schema.orbit`; None if no part stands out
+    elevation: float | None  # degrees above the horizon, of the key; None likewise
+    key: Values  # color of the key, linear, the greatest component 1; as `around` if no part stands out
+    around: Values  # color of the rest, linear, the greatest component 1
+    ratio: float  # light of the key on a surface that faces it, in multiples of the rest's light; 0 without a key
 
 
 def probe(linear: np.ndarray) -> LightProbe:
-    """The light of a panorama (H, W, 3), linear, its longitudes as Blender's environment textures have them."""
+    """The light of a linear panorama (H, W, 3), equirectangular as in Blender, but with row 0 straight up."""
     height, width = linear.shape[:2]
     up = np.pi / 2 - (np.arange(height) + 0.5) / height * np.pi
     turn = (0.5 - (np.arange(width) + 0.5) / width) * 2 * np.pi
@@ -52,7 +52,7 @@ def probe(linear: np.ndarray) -> LightProbe:
 
 
 def effects_of(found: LightProbe) -> list[str]:
-    """Effects that give the key light the direction and color of the key, and the world the color of the rest, at their brightness."""
+    """Effects, as text: the scene's key light gets the key's direction and color, the world the color of the rest."""
 
     def near(parameter: str, value: Values, reach: float) -> str:
         lower, upper = (",".join(f"{v + off:.6g}" for v in value) for off in (-reach, reach))
@@ -67,7 +67,7 @@ def effects_of(found: LightProbe) -> list[str]:
 
 
 def summary_of(found: LightProbe, name: str) -> str:
-    """A sentence on the light of a panorama."""
+    """A sentence on the light of the panorama `name`."""
     if found.azimuth is None or found.elevation is None:
         return f"In {name} light comes from all around: the key light keeps its direction."
     return (

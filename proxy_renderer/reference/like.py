@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A reference image, its wishes, their effects, and plans for it, with or without words."""
+"""Wishes for the look of a reference image, and plans for these wishes, with or without words."""
 
 from __future__ import annotations
 
@@ -40,12 +40,12 @@ class Reference:
 
     def __init__(self, picture: ReferencePicture, name: str, options: Options) -> None:
         self.picture, self.name, self._only = picture, name, options.like_only
-        # whether it shows the artist's scene; None before the artist's own image was seen
+        # True if it shows the artist's scene; None until `compare` is called
         self.same: bool | None = True if options.like_same else None
 
     @classmethod
     def of(cls, options: Options, scene: SceneData) -> Reference | None:
-        """The image that the options name, or None; linear light is shown by the scene's view. Raises VibeError if unreadable."""
+        """The image that the options name, or None; linear ones get the view transform. VibeError if unreadable."""
         if not options.like:
             return None
         path = Path(options.like)
@@ -69,12 +69,12 @@ class Reference:
         return self._only or (TRAITS if self.same else TRAITS[:-1])
 
     def compare(self, rendered: Tensor) -> None:
-        """Finds out, once, whether the reference shows the same scene as the artist's own image (H, W, 3)."""
+        """Sets `same`, once: True if the reference shows the scene of the artist's own image `rendered` (H, W, 3)."""
         if self.same is None and not self.probe:
             self.same = statements.is_same(self.display, rendered)
 
     def wishes(self, instances: Collection[Instance], seen: Callable[[], GBuffer]) -> list[Wish]:
-        """Wishes with the effects and facts of the image, then one for each statement on it; `seen` returns the scene's G-buffer."""
+        """Wishes for the image's effects and measures, then for each statement; `seen` returns the scene's G-buffer."""
         if self.probe:
             return self._wishes(self.name, light_probe.effects_of(self.probe))
         regions = regions_of(self.picture.display, self.picture.alpha)
@@ -90,7 +90,7 @@ class Reference:
         return found
 
     def _wishes(self, word: str, texts: list[str], material: str = "") -> list[Wish]:
-        """The wishes of a statement on the image."""
+        """Wishes from `texts` (effects and claims), by quantity; `word` names them; `material`: their target, or ""."""
         said = _attribute(word, self.name, material)
         return [Wish(said, w.quantity, effects=w.effects, claims=w.claims) for w in read_wishes(texts)]
 
@@ -109,7 +109,7 @@ def _attribute(word: str, name: str, material: str) -> Attribute:
 
 
 def _facts(regions: PictureRegions) -> Iterator[ClaimText]:
-    """Claims of weight 0 that record measures of the image itself, as far as a flat image has them."""
+    """Claims of weight 0 that record measures of the image and, if one is found, of its subject."""
     parts: tuple[Part, ...] = ("picture", "subject") if regions.subject else ("picture",)
     for part in parts:
         where = regions.region(part)
@@ -122,7 +122,7 @@ def _facts(regions: PictureRegions) -> Iterator[ClaimText]:
 
 
 class LikeAdvisor:
-    """Adds an image's wishes to those of `words`, an advisor or None; `seen` returns the scene's G-buffer."""
+    """Adds the image's wishes to those of `words`, the words' advisor or None; `seen` returns the scene's G-buffer."""
 
     def __init__(self, reference: Reference, words: Advisor | None, seen: Callable[[], GBuffer]) -> None:
         self._reference, self._words, self._seen = reference, words, seen
@@ -130,7 +130,7 @@ class LikeAdvisor:
 
     def advise(self, display: Any, instances: Mapping[str, Instance], scene: SceneDescription) -> Advice:
         """As `Advisor.advise`. Raises VibeError if no word of the prompt is known, or the picture can change nothing."""
-        if self._words is None:  # with words, the image is not the goal, but where the words start from
+        if self._words is None:  # with words, the image is only their starting point
             self._reference.compare(display)
             plan = Plan({key: PlanEntry.kept(each, UNTOUCHED) for key, each in instances.items()})
             advice = Advice(Goals(Parsed("")), NO_PROMPTS, plan, source="the picture")
@@ -168,7 +168,10 @@ def _effects(table: str) -> dict[str, Effect]:
 def effects_of(
     instances: Collection[Instance], traits: Collection[str], measures: Collection[str], same: bool
 ) -> list[Effect]:
-    """Effects of an image, of the `same` scene or another, for traits to take over, without those that need other measures than claimed."""
+    """Effects that an image may have on parameters, for the `traits` to take over.
+
+    For an image of another scene (`same` is False), effects that need a measure not among `measures` are left out.
+    """
     table = _effects("another_scene")
     free = {i.parameter.family for i in instances if not i.locked}
     if same:

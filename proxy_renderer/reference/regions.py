@@ -35,7 +35,7 @@ _EVEN, _LIGHTER, _OTHER = 2.5, 8.0, 15.0
 
 @dataclass(frozen=True)
 class PictureRegions:
-    """A flat picture, ready to be measured, with its regions."""
+    """A flat image, ready to be measured, with its regions."""
 
     picture: MeasuredPicture
     subject: bool  # whether a subject is found
@@ -43,14 +43,17 @@ class PictureRegions:
     counts: Tensor  # (H, W) bool, the pixels that are not transparent
 
     def region(self, part: Part, box: Values = ()) -> Tensor | None:
-        """(H, W) bool: pixels of a part, or of a box in it, that are not transparent; None if they are too few."""
+        """(H, W) bool: opaque pixels of a part, or of a box in it (see `Claim.box`); None if they are too few."""
         where = Claim("", part, "mean", part, (), (), box=box).region(self.picture.seen)
         where = None if where is None else where & self.counts
         return where if where is not None and where.sum() >= _FEW else None
 
 
 def regions_of(display: np.ndarray, alpha: np.ndarray | None = None) -> PictureRegions:
-    """The regions of an sRGB image (H, W, 3) in [0, 1]; pixels of low `alpha` (H, W) do not count, and leave no subject to look for."""
+    """The regions of an sRGB image (H, W, 3) in [0, 1] with `alpha` (H, W).
+
+    Pixels with an alpha up to one half do not count; an image with such pixels has no subject.
+    """
     seen = np.ones(display.shape[:2], bool) if alpha is None else alpha > _TRANSPARENT
     cutout = not seen.all()
     if cutout:  # transparent pixels get the color of the nearest opaque one
@@ -120,5 +123,5 @@ def _otsu(field: np.ndarray) -> float:
 
 
 def _resized(planes: Tensor, longest: int) -> Tensor:
-    """An image (1, C, H, W), reduced by means of areas to a longer side; a smaller one stays."""
+    """An image (1, C, H, W), reduced by averaging areas so that the longer side is at most `longest`."""
     return F.interpolate(planes, small_size(planes.shape[-2], planes.shape[-1], longest), mode="area")

@@ -48,7 +48,7 @@ _EXACT = 0.5  # noticeable steps by which the color of a cell or a material may 
 
 
 def is_same(reference: Tensor, rendered: Tensor) -> bool:
-    """True if two images (H, W, 3) show the same things in the same places, however lit: if their edges correlate."""
+    """True if two images (H, W, 3) show the same objects in the same places: alike in aspect ratio and edges."""
     one, other = (picture.shape[1] / picture.shape[0] for picture in (reference, rendered))
     shape = small_size(rendered.shape[0], rendered.shape[1], longest=128)
     maps = []
@@ -65,7 +65,10 @@ def is_same(reference: Tensor, rendered: Tensor) -> bool:
 
 
 def statements_by_place(picture: Tensor, alpha: np.ndarray | None, seen: GBuffer) -> list[Statement]:
-    """Statements on an image of the same scene, on each cell of the frame and each material that is nowhere transparent."""
+    """Statements on an image of the same scene: the color of each cell of the frame and of each material.
+
+    Cells and materials with transparent pixels are left out. `seen` is the scene's G-buffer.
+    """
     measured = MeasuredPicture.of(picture, seen)
     hidden = torch.zeros_like(seen.subject, dtype=torch.bool)
     if alpha is not None:
@@ -91,7 +94,7 @@ def statements_by_place(picture: Tensor, alpha: np.ndarray | None, seen: GBuffer
     return said
 
 
-_GRAY = 4.0  # C* below which a tint is none
+_GRAY = 4.0  # C* below which a tint counts as neutral
 _SLIGHT = 10.0  # C* below which it is a slight one
 _HUES = (
     (20.0, "pink"), (48.0, "red"), (72.0, "orange"), (105.0, "yellow"), (165.0, "green"), (225.0, "teal"),
@@ -101,7 +104,7 @@ _HUES = (
 
 
 def hue(a: float, b: float) -> str:
-    """The name of a tint: "teal", "slightly orange", "neutral"."""
+    """The name of a tint with CIE Lab's a* and b*: "teal", "slightly orange", "neutral"."""
     strength = math.hypot(a, b)
     if strength < _GRAY:
         return "neutral"
@@ -127,7 +130,7 @@ _THIRDS = {place: (0.0, n / 3, 1.0, (n + 1) / 3) for n, place in enumerate(_WORD
 
 
 def statements_of(regions: PictureRegions) -> list[Statement]:
-    """Statements on an image of another scene."""
+    """Statements on an image of another scene: on its grade, light, palette and air, in this order."""
     reader = _Reader(regions)
     found = {"grade": reader.grade(), "light": reader.light(), "palette": reader.palette(), "air": reader.air()}
     return [replace(said, trait=trait) for trait, statements in found.items() for said in statements]
@@ -138,7 +141,7 @@ class _Reader:
         self.regions, self.picture = regions, regions.picture
 
     def grade(self) -> Iterator[Statement]:
-        """Tones, tints of shadows, midtones and lights, saturation, vignette."""
+        """Statements on tones, tints of shadows, midtones and lights, saturation and vignette."""
         for measure in _TONES:
             said = self._near("tones", measure, f"{MEASURES[measure].says} is L* {{:.0f}}", steps=CLOSE)
             # Black and white objects of the reference need not be in the scene.
@@ -163,7 +166,7 @@ class _Reader:
             yield self._near("vignette", "vignette", "its corners are L* {:.0f} darker than its middle")
 
     def light(self) -> Iterator[Statement]:
-        """The light on a subject, and its contrast with the ground; nothing without a clear subject."""
+        """Statements on the subject's light, and its contrast with the rest; none without a clear subject."""
         if not self.regions.subject:
             return
         (range_,) = self._value("spread", "subject")
@@ -181,7 +184,7 @@ class _Reader:
         yield self._near(f"subject {how} than its ground", "standing_out", reason, "subject")
 
     def palette(self) -> Iterator[Statement]:
-        """The colors of subject, surroundings and sky; without a clear subject, of the upper, middle and lower third."""
+        """Statements on the colors of subject, surroundings and sky; without a clear subject, of horizontal thirds."""
         if not self.regions.subject:
             for place, box in _THIRDS.items():
                 yield from self._colors("picture", f"{place} third", box)
@@ -192,13 +195,13 @@ class _Reader:
             yield from self._colors("sky", "sky")
 
     def air(self) -> Iterator[Statement]:
-        """Haze, if nothing in the image is dark or pure in color."""
+        """A statement on haze, if nothing in the image is dark or pure in color."""
         if self._value("veil")[0] > 35.0 and self._value("black_point")[0] > 20.0:  # percent of white; L*
             reason = "nothing in it is dark or pure in color: at least {:.0f} % of white lies over it"
             yield self._near("haze", "veil", reason)
 
     def _colors(self, part: Part, what: str, box: Values = ()) -> Iterator[Statement]:
-        """Lightness and cast of a part; nothing if it has too few pixels.
+        """Statements on lightness and cast of a part; none if it has too few pixels.
 
         The color of the reference's subject may be paint. So the render's subject is to have the cast of the whole reference,
         and may keep its own paint. The color of a third may be paint, too: the cast of the render's third may lie anywhere
@@ -227,7 +230,10 @@ class _Reader:
     def _near(
         self, word: str, measure: str, reason: str, part: Part = "picture", box: Values = (), steps: float = LOOSE
     ) -> Statement:
-        """The statement that a measure has the reference image's value, which fills `reason`, within a number of noticeable steps."""
+        """The claim that `measure` is within `steps` just-noticeable differences of its value in the reference image.
+
+        The value is filled into `reason`. In a part of mixed colors, a color may differ by more.
+        """
         value = self._value(measure, part, box)
         reach = steps * MEASURES[measure].notice / math.sqrt(len(value))
         if MEASURES[measure].unit == "a*b*":

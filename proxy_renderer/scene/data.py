@@ -40,8 +40,8 @@ class Light:
 
     name: str
     type: str  # Blender's name of its type, of those in `render.lights.light_types`
-    residual: Matrix
-    position: Vector
+    residual: Matrix  # rotation relative to pointing straight at the pivot, as for the camera
+    position: Vector  # world space
     shape: str = "SQUARE"  # for area lights "SQUARE", "RECTANGLE", "DISK" or "ELLIPSE"
     aspect: float = 1.0  # height over width of an area light, its object's scale included
     spot_size: float = 0.785398  # full opening angle of a spot
@@ -55,13 +55,13 @@ class Light:
     role: str = "other"  # "key", "fill", "rim" or "other"
     tint: Vector = (1.0, 1.0, 1.0)  # what the light's own nodes multiply its color by
     scale: float = 1.0  # what its object's scale multiplies the width of an area light by
-    added: bool = False  # whether the artist's scene lacks it, and the words ask for it
-    card: float = 0.0  # size of its card with a pattern, meters; 0 for none, or not on standby
-    # whether it is an instance of a light: at `position`, turned by `residual` alone, without an orbit. Instances of
-    # one name share their other values.
+    added: bool = False  # True for a light that the artist's scene lacks and the words ask for
+    card: float = 0.0  # size of the card with a pattern (gobo) in its light, meters; 0 for none, or not on standby
+    # True for an instance of a light: it stays at `position`, turned by `residual` alone, without an orbit. Instances
+    # with the same name share their other values.
     fixed: bool = False
     unlit: tuple[int, ...] = ()  # indices of objects that light linking keeps its light from
-    hidden: tuple[str, ...] = ()  # kinds of rays that do not meet it: "diffuse", "glossy", "transmission"
+    hidden: tuple[str, ...] = ()  # kinds of rays to which it is invisible: "diffuse", "glossy", "transmission"
 
 
 @dataclass(frozen=True)
@@ -82,8 +82,8 @@ class Material:
     """A material that the camera sees."""
 
     name: str
-    role: str
-    alpha: float = 1.0  # opacity, or the mean of its map
+    role: str  # "subject" or "surroundings"
+    alpha: float = 1.0  # opacity, or the mean of the map "alpha"
     constants: Mapping[str, Any] = field(default_factory=dict)  # Principled inputs that no vibe changes
     texture: Texture | None = None  # base color, where nodes compute it; parameters tint it
     # other inputs that nodes compute: "alpha", "normal" (world space, n / 2 + 1 / 2), "far" (a flat surface's
@@ -107,7 +107,7 @@ class WorldData:
 
     kind: str  # "color" or "environment"
     image: Array | None = None  # (H, W, 3) equirectangular light of an environment, without tint and strength
-    backdrop: Array | None = None  # the same as the camera sees it, if that differs from `image`
+    backdrop: Array | None = None  # the image that the camera sees, if it differs from `image`; likewise
     hidden: tuple[str, ...] = ()  # kinds of rays that do not see the world
     horizon: float = 0.0  # height of the horizon in the image: 0 at the bottom, 1 at the top
 
@@ -124,7 +124,7 @@ class FogBounds:
 
 @dataclass(frozen=True)
 class FilmSettings:
-    """How Blender displays the image: OCIO configuration, display, view, look and so on."""
+    """Settings by which Blender displays the image: OCIO configuration, display, view, look and others."""
 
     ocio: str
     display: str
@@ -166,7 +166,7 @@ class SceneData:
 
     folder: Path
     resolution: tuple[int, int]  # width and height of the artist's render in pixels
-    pixel_aspect: float
+    pixel_aspect: float  # width of a pixel over its height
     pivot: Vector  # center of the orbits, and of the subject's bounding box
     references: Mapping[str, float]  # scene-wide lengths that bounds are multiples of
     camera: Camera
@@ -180,19 +180,19 @@ class SceneData:
     instances: Mapping[str, Instance]  # every parameter of this scene by key, with the artist's value
     standby: Standby = field(default_factory=Standby)  # lights, and a backdrop, that it may get
     bounces: int = 4  # diffuse bounces of the artist's render; only whether it is 0 matters
-    # by key, the values of materials outside the frame whose light may be in it
+    # key -> value, of materials outside the frame whose light may reach into it
     unseen: Mapping[str, Values] = field(default_factory=dict)
     # key of an added light link (see `LightLink`) -> the words that ask for it
     links: Mapping[str, str] = field(default_factory=dict)
 
     def with_lights(self, names: Collection[str]) -> SceneData:
-        """The scene with the lights on standby that have one of the names."""
+        """The scene with those standby lights (see `Standby`) that have one of the names."""
         lights = tuple(replace(light, added=True) for light in self.standby.lights if light.name in names)
         theirs = {key: i for key, i in self.standby.instances.items() if i.owner in names}
         return replace(self, lights=(*self.lights, *lights), instances={**self.instances, **theirs})
 
     def with_link(self, link: LightLink, said: str) -> SceneData:
-        """The scene with a light linked to objects; `said` are the words that ask for it, in quotes."""
+        """The scene with a light link added (see `LightLink`); `said` are the words that ask for it, in quotes."""
         named = {number for number, thing in enumerate(self.objects) if thing.name in link.objects}
         others, lights = set(range(len(self.objects))) - named, []
         for light in self.lights:
@@ -201,7 +201,7 @@ class SceneData:
         return replace(self, lights=tuple(lights), links={**self.links, link.key: said})
 
     def with_copies(self, copies: Mapping[str, Collection[str]]) -> SceneData:
-        """The scene with copies of materials: name of each copy -> names of the objects that get it."""
+        """The scene with copies of materials; `copies`: name of each copy -> names of the objects that get it."""
         if not copies:
             return self
         materials, instances = {m.name: m for m in self.materials}, dict(self.instances)
@@ -227,16 +227,19 @@ class SceneData:
 
     @property
     def may_have_backdrop(self) -> bool:
-        """True if what the camera sees of the world may get a color and a strength of its own."""
+        """True if the world may get a backdrop: a color and a strength of its own for the camera."""
         return any(i.parameter.group == "world" for i in self.standby.instances.values())
 
     def with_backdrop(self) -> SceneData:
-        """The scene with a backdrop on standby in it; a backdrop starts as the world is."""
+        """The scene with its standby backdrop (see `Standby`), which starts out like the world."""
         theirs = {key: i for key, i in self.standby.instances.items() if i.parameter.group == "world"}
         return replace(self, instances={**self.instances, **theirs})
 
     def with_card(self, name: str, corners: Array) -> SceneData:
-        """The scene with the quads of a card, (Q, 4, 3) in world space, which only shadow rays see."""
+        """The scene with an object `name`, a light's card (gobo) that only shadow rays see.
+
+        `corners` are those of the card's quads, (Q, 4, 3) in world space.
+        """
         mesh, count = self.mesh, len(corners)
         first = len(mesh.vertices) + 4 * np.arange(count)[:, None]
         faces = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])]).astype(np.int32)
@@ -256,7 +259,7 @@ class SceneData:
         return replace(self, mesh=more, objects=(*self.objects, shade))
 
     def value(self, key: str, default: float | Values = 0.0) -> Values:
-        """The artist's value of a parameter, one number per component, in its unit; the default if the scene lacks it."""
+        """The artist's value of a parameter (also if `unseen`), one number per component; `default` without one."""
         if key in self.instances:
             return self.instances[key].value
         if key in self.unseen:

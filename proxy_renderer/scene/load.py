@@ -79,7 +79,7 @@ def _scene(folder: Path, content: dict[str, Any]) -> data.SceneData:
 
 
 def _record(kind: type[T], row: dict[str, Any]) -> T:
-    """Builds a dataclass from the JSON keys that it has fields for; lists become tuples, whole numbers in them floats."""
+    """A dataclass `kind` from those JSON keys that are its fields; lists become tuples, their whole numbers floats."""
     names = {f.name for f in fields(kind)}  # type: ignore[arg-type]
     return kind(**{k: _tuples(v) for k, v in row.items() if k in names})
 
@@ -106,7 +106,7 @@ def _material(folder: Path, row: dict[str, Any]) -> data.Material:
 
 
 def _picture(path: Path, channels: tuple[int, ...] = (3,)) -> Array:
-    """A linear image (H, W, C) as float32; values that are not finite or are negative become 0."""
+    """Reads a linear image (H, W, C) as float32, C one of `channels`; negative and not finite values become 0."""
     image = np.load(path, allow_pickle=False).astype(np.float32)
     if image.ndim != 3 or image.shape[2] not in channels or 0 in image.shape:
         raise ValueError(f"{path.name} has the shape {image.shape}, not (H, W, {channels[-1]})")
@@ -116,7 +116,7 @@ def _picture(path: Path, channels: tuple[int, ...] = (3,)) -> Array:
 _meshes: weakref.WeakSet[data.SceneMesh] = weakref.WeakSet()
 """Meshes in use. Jobs with the same mesh share one object, and the results cached by it, such as its ray tree."""
 _ALIKE = {"vertices": 1e-6, "normals": 1e-3, "uvs": 0.02}
-"""Most difference between exports of one mesh, whose threads round differently; of vertices, relative to the greatest."""
+"""Greatest difference that rounding makes between exports of one mesh; of vertices, relative to the greatest value."""
 
 
 def _mesh(path: Path, materials: int, objects: int) -> data.SceneMesh:
@@ -139,7 +139,7 @@ def _mesh(path: Path, materials: int, objects: int) -> data.SceneMesh:
 
 
 def _is_alike(mesh: data.SceneMesh, arrays: dict[str, Array]) -> bool:
-    """True if arrays are those of a mesh, up to the differences in `_ALIKE`."""
+    """True if `arrays` equal those of `mesh`, up to the differences in `_ALIKE`."""
     pairs = {name: (getattr(mesh, name), array) for name, array in arrays.items()}
     if any(one.shape != other.shape for one, other in pairs.values()):
         return False
@@ -150,7 +150,7 @@ def _is_alike(mesh: data.SceneMesh, arrays: dict[str, Array]) -> bool:
 
 
 def _drop_broken(arrays: dict[str, Array]) -> dict[str, Array]:
-    """Removes triangles without area or with a corner at no usable place; repairs broken normals and UVs."""
+    """Removes triangles without area or with a corner that is not finite or too far; repairs broken normals and UVs."""
     keep = np.ones(len(arrays["faces"]), bool)
     for first in range(0, len(keep), _AT_ONCE):
         some = slice(first, first + _AT_ONCE)

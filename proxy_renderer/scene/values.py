@@ -41,7 +41,7 @@ class RenderValues:
         self.scene, self.given, self.device = scene, values, torch.device(device)
 
     def color(self, key: str, default: float = 0.0) -> Tensor:
-        """A color's components (3,), float32 on the device; three times the default if the scene has no such parameter."""
+        """A color's components (3,), float32 on the device; each is `default` if the scene has no such parameter."""
         if key not in self.given:
             return torch.tensor(self.scene.value(key, (default,) * 3), dtype=torch.float32, device=self.device)
         # Without gradients a copy, which later changes of the caller's tensor do not reach.
@@ -54,7 +54,7 @@ class RenderValues:
 
     @cached_property
     def by_owner(self) -> dict[str, dict[str, Tensor]]:
-        """The caller's values by owner: "material/NAME" and so on -> key -> value."""
+        """The caller's values by owner, such as "material/NAME": owner -> key -> value."""
         found: dict[str, dict[str, Tensor]] = {}
         for key, value in self.given.items():
             found.setdefault(key.rpartition("/")[0], {})[key] = value
@@ -68,7 +68,10 @@ class RenderValues:
         return {key: tuple(next(flat) for _ in row) for key, row in zip(self.given, rows, strict=True)}
 
     def kept(self, made: Recent, owner: str, make: Callable[[], T], number: int = 0) -> T:
-        """The result of `make` for an owner, "material/NAME", kept in `made` unless it has gradients; `number` tells namesakes apart."""
+        """The result of `make` for an owner such as "material/NAME", cached in `made` unless it has gradients.
+
+        `number` tells apart several results of one owner.
+        """
         given = self.by_owner.get(owner, {})
         if needs_gradient(*given.values()):
             return make()

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A vision-language model as parser, confiner and judge, behind any OpenAI-compatible endpoint; imported only if one is named."""
+"""A vision-language model that reads prompts, plans ranges and judges images; imported only if one is named."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The model as parser and confiner: it improves the offline planner's draft, which is used alone if the model fails.
+"""The model as parser (words) and confiner (ranges): it improves the offline draft, which is used if it fails.
 
 A model's answer is checked field by field. Valid fields are used; others are repaired or dropped, and counted. Nothing in an
 answer is run, opened or looked up: it has only numbers, known classes and short texts.
@@ -30,7 +30,7 @@ from .transport import ModelError, clean
 _MOST_OBJECTS, _MOST_TEXTS, _MOST_ENTRIES = 12, 8, 200
 _CAPTION, _WORD, _REASON = 160, 60, 160
 _NARROWEST = 0.04  # least width of a range on the perceptual scale: the gradient finds the exact value
-_DEGREES = 10.0  # least width of an angle's range, if that is narrower
+_DEGREES = 10.0  # least width of an angle's range, where this is narrower than `_NARROWEST`
 _NEGATION = re.compile(r"\b(no|not|never|without|n't)\b", re.IGNORECASE)
 
 
@@ -38,7 +38,7 @@ _NEGATION = re.compile(r"\b(no|not|never|without|n't)\b", re.IGNORECASE)
 class Reply:
     """A model's proposals; fields are empty where its answer had nothing usable."""
 
-    objects: list[PromptObject] = field(default_factory=list)  # what the look describes
+    objects: list[PromptObject] = field(default_factory=list)  # the objects that the look describes
     prompts: Prompts = field(default_factory=lambda: Prompts("", "", ""))  # captions; "" and () for none
     targets: dict[str, str] = field(default_factory=dict)  # quantity -> class
     colors: dict[Region, Values] = field(default_factory=dict)  # region -> sRGB that it should show
@@ -57,7 +57,7 @@ class Reply:
 
 
 def read_reply(raw: dict[str, Any], table: AliasTable) -> Reply:
-    """The usable parts of an answer, with counts of the others."""
+    """The usable parts of a model's answer `raw`, a JSON object, with counts of the others."""
     fields = {"objects", "prompts", "targets", "colors", "ignored", "plan", "keep"}
     reply = Reply(missing=len(fields - raw.keys()), dropped=len(raw.keys() - fields))
     reply.objects = _objects(raw.get("objects"), table, reply)
@@ -120,7 +120,10 @@ def _usable(raw: Any, fits: Callable[[str, str], bool], reply: Reply) -> dict[st
 
 
 def _add_entry(item: Any, table: AliasTable, reply: Reply) -> None:
-    """Adds one entry of the plan to the reply, in the parameter's own unit, within its bounds, and not too narrow."""
+    """Adds `item` of an answer's plan to the reply: in the parameter's own unit, within its bounds, not too narrow.
+
+    An unusable item is counted as dropped.
+    """
     name = item.get("parameter") if isinstance(item, dict) else None
     instance = table.rows.get(name) if isinstance(name, str) else None
     if instance is None or instance.key in reply.entries:
@@ -162,7 +165,7 @@ def widened(instance: Instance, lower: Values, upper: Values) -> tuple[Values, V
 
 
 def _numbers(raw: Any, count: int) -> Values | None:
-    """`count` finite numbers, given one by one or as a single one for all; None for anything else."""
+    """`count` floats, from a list of as many finite numbers or from one number for all; None for anything else."""
     given = raw if isinstance(raw, list) else [raw]
     given = given * count if len(given) == 1 else given
     # type(), because True is an int, too; the comparison is False for NaN, and works for integers of any size.
@@ -182,12 +185,15 @@ def _list(raw: Any, reply: Reply) -> list[Any]:
     return []
 
 
-_MODEL = "the model"  # stands in reports for the word, where a model asks for something
+_MODEL = "the model"  # takes the place of the word in reports on the model's wishes
 _PATIENCE = 2  # rounds in a row without an answer, after which the model is not asked any more
 
 
 class ModelAdvisor:
-    """Asks a model once a round, with the current image and the offline plan of the goals and the lighting rig as draft."""
+    """Asks a model once a round, with the current image, to improve the offline planner's draft.
+
+    `tell` shows a line of progress; `light` is the plan of the lighting rig, None without one.
+    """
 
     def __init__(
         self,
@@ -206,7 +212,7 @@ class ModelAdvisor:
         self._counts = dict.fromkeys(("clipped", "mended", "dropped", "missing"), 0)
 
     def advise(self, display: Any, instances: Mapping[str, Instance], context: SceneDescription) -> Advice:
-        """The model's advice, else the offline planner's; raises VibeError if neither understands. `display`: (H, W, 3)."""
+        """The model's advice, else the planner's; VibeError if neither understands. `display`: image (H, W, 3)."""
         try:
             draft: Advice | None = self._offline.advise(display, instances, context)
             unknown: VibeError | None = None
@@ -234,7 +240,7 @@ class ModelAdvisor:
         return replace(draft, source=f"offline planner: {why}")
 
     def account(self) -> dict[str, Any]:
-        """For report.json: the model, its cost, its failures, and the parts of its answers that were not used."""
+        """Fields for report.json: the model, its cost, its failures, and counts of parts of answers not used."""
         model, dialect = self._client.endpoint, self._client.dialect
         asked = {"model": model.model, "endpoint": model.place, "pictures": dialect.pictures, "format": dialect.format}
         return {**asked, **self._client.usage.account(), "failures": self._failures, **self._counts}
@@ -259,7 +265,7 @@ class ModelAdvisor:
     def _combine(
         self, draft: Advice | None, reply: Reply, instances: Mapping[str, Instance], context: SceneDescription
     ) -> Advice:
-        """Draft and reply together: the model's captions and ranges replace the drafted ones, where it gives some."""
+        """The draft with the reply's wishes added; captions and ranges in the reply replace the drafted ones."""
         read = draft.goals if draft else goals_of(self._read(reply.prompts.whole))
         subject = [PromptObject(self._words.subject or "subject", "subject")]
         objects = reply.objects or read.parsed.objects or subject

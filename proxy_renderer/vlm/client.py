@@ -32,7 +32,10 @@ _SMALLEST, _LARGEST = 384, 1536  # pixels of the longer side: sizes that models 
 
 
 def jpeg_of(picture: Tensor | Image.Image) -> bytes:
-    """A small JPEG of a display-referred tensor (H, W, 3) in [0, 1], or of a PIL image."""
+    """A JPEG of a display-referred tensor (H, W, 3) in [0, 1], or of a PIL image.
+
+    The image is resized if its longer side has less than 384 or more than 1536 pixels.
+    """
     if not isinstance(picture, Image.Image):
         picture = Image.fromarray((picture.detach().cpu().numpy().clip(0.0, 1.0) * 255.0 + 0.5).astype(np.uint8))
     longest = max(picture.size)
@@ -54,7 +57,7 @@ _PICTURE = re.compile(r"image|vision|multi-?modal|mmproj|content.{0,20}(part|typ
 class Question:
     """A question to a model."""
 
-    system: str  # our instructions
+    system: str  # instructions to the model
     text: str  # the data as one JSON document, or a plain text
     picture: bytes | None = None  # a JPEG; None for none
     schema: dict[str, Any] | None = None  # JSON schema of the answer; None where the answer is plain text
@@ -71,7 +74,7 @@ class Dialect:
         self._limit = "max_completion_tokens"
 
     def body(self, model: str, question: Question, earlier: list[dict[str, Any]]) -> dict[str, Any]:
-        """The request; `earlier` has the messages of a first attempt: the unreadable answer and the complaint about it."""
+        """The request as JSON; `earlier`: messages of a first attempt (its answer and a complaint), [] for none."""
         system = question.system
         body: dict[str, Any] = {"model": model}
         if question.schema is not None:
@@ -96,7 +99,7 @@ class Dialect:
         return {**body, "messages": messages}
 
     def give_up(self, complaint: str, question: Question) -> bool:
-        """Leaves out the option that the server's complaint is about; False if nothing more can be left out."""
+        """Leaves out or simplifies the option that a server complains about; False if no option is left to change."""
         formats = question.schema is not None and self.format != "text"
         pictures = question.picture is not None and self.pictures and not question.must_see
         of_picture = _PICTURE.search(complaint) and not _FORMAT.search(complaint)
@@ -117,13 +120,13 @@ _MOST = 500  # most answers that are kept; the least recently used are deleted
 
 
 class Cache:
-    """One small JSON file for each answer. A file that cannot be read or written counts as missing."""
+    """A folder of answers by key, one small JSON file each. A file that cannot be read or written counts as missing."""
 
     def __init__(self, folder: Path | None = None) -> None:
         self.folder = folder or cache_folder("vlm")
 
     def read(self, key: str) -> Any:
-        """An answer, or None."""
+        """The answer of a key; None if there is none."""
         path = self.folder / f"{key}.json"
         try:
             answer = json.loads(path.read_text(encoding="utf-8"))["answer"]
@@ -133,7 +136,7 @@ class Cache:
             return None
 
     def write(self, key: str, answer: Any) -> None:
-        """Keeps an answer in a file that only its owner can read; ignores a file that cannot be written."""
+        """Stores an answer in a file that only this user can read, and deletes old answers; ignores failures."""
         with contextlib.suppress(OSError, RuntimeError):
             self.folder.mkdir(parents=True, exist_ok=True)
             with atomic.replacing(self.folder / f"{key}.json") as part:
@@ -167,7 +170,7 @@ class Usage:
             self.cost = (self.cost or 0.0) + cost
 
     def account(self) -> dict[str, Any]:
-        """For report.json."""
+        """The numbers as fields for report.json."""
         return {
             "calls": self.calls,
             "cached": self.cached,
@@ -178,7 +181,7 @@ class Usage:
 
 
 class Client:
-    """A model to ask."""
+    """Asks the model of an endpoint; gives up when `stop` returns True."""
 
     def __init__(
         self, endpoint: Endpoint, stop: Callable[[], bool] = lambda: False, cache: Cache | None = None
@@ -189,7 +192,10 @@ class Client:
         self.dialect = Dialect()
 
     def ask(self, question: Question, check: Callable[[Any], object] = bool, fresh: bool = False) -> Any:
-        """The answer: an object if there is a schema, else text. If `check` raises ModelError, the model is asked once more."""
+        """The answer, an object if the question has a schema, else text; from the cache, unless `fresh`.
+
+        If `check` raises ModelError, the model is asked once more. Raises ModelError without a usable answer.
+        """
         point = self.endpoint
         # The number is the version of questions and answers: another one invalidates the cache.
         asked = [1, point.url, point.model, question.system, question.text, question.schema]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The model that is asked, where it is, and its key."""
+"""Finds the model to ask: its name, the URL of its endpoint, and its key."""
 
 import ipaddress
 import os
@@ -21,7 +21,7 @@ _HOW = "Ollama's is http://localhost:11434/v1, OpenAI's is " + OPENAI + "."
 class Endpoint:
     """A model behind an OpenAI-compatible endpoint."""
 
-    model: str  # its name there
+    model: str  # the model's name at the endpoint
     url: str  # the base URL, without a slash at its end
     key: str = field(default="", repr=False)  # never written anywhere, not even by `repr`
     seconds: float = _SECONDS  # time limit of a question, repetitions included
@@ -29,7 +29,7 @@ class Endpoint:
 
     @property
     def local(self) -> bool:
-        """True if its URL stays on this computer (a loopback address)."""
+        """True if the URL is on this computer (a loopback address)."""
         host = urlsplit(self.url).hostname or ""
         with suppress(ValueError):
             return ipaddress.ip_address(host).is_loopback
@@ -42,14 +42,15 @@ class Endpoint:
 
 
 def find_endpoint(options: Options, key: str = "", environment: Mapping[str, str] | None = None) -> Endpoint | None:
-    """The model to ask, or None: no model is asked unless one is named.
+    """The model to ask; None if neither the options nor the environment name one.
 
-    Options override the environment: VIBE_VLM_MODEL, VIBE_VLM_URL (else OPENAI_BASE_URL, else OpenAI's), VIBE_VLM_KEY, VIBE_VLM_TIMEOUT
-    (seconds) and VIBE_VLM_PRICE ("2.5/10", US dollars per million tokens read/written). OPENAI_API_KEY is sent only to
-    OPENAI_BASE_URL, or to OpenAI if that is not set. A `vlm_model` of "off" means none, whatever the environment says. `key` is that
-    of the add-on's preferences, "" for the environment's.
+    Options override the environment: VIBE_VLM_MODEL, VIBE_VLM_URL (else OPENAI_BASE_URL, else OpenAI's), VIBE_VLM_KEY,
+    VIBE_VLM_TIMEOUT (seconds) and VIBE_VLM_PRICE ("2.5/10", US dollars per million tokens read/written).
+    OPENAI_API_KEY is sent only to OPENAI_BASE_URL, or to OpenAI if that is not set. A `vlm_model` of "off" means none,
+    whatever the environment says. `key` is the key in the add-on's preferences; "" for the environment's.
 
-    Raises VibeError for an invalid URL, key, time limit or price, a missing key, or another computer while Blender is offline.
+    Raises VibeError for an invalid URL, key, time limit or price, for a missing key, or for another computer's endpoint
+    while Blender is offline.
     """
     env = os.environ if environment is None else environment
     model = (options.vlm_model or env.get("VIBE_VLM_MODEL", "")).strip()

@@ -39,7 +39,7 @@ _NUMBERS = ("zero", "one", "two", "three", "four", "five", "six")
 
 @dataclass(frozen=True)
 class Column:
-    """One object's two images."""
+    """A column of the comparison figure: two images of one object."""
 
     name: str  # of the object
     prompt: str  # the prompt of both images
@@ -56,7 +56,7 @@ class Verdict:
 
 
 def judge(client: Client, columns: Sequence[Column], rows: tuple[str, str] = ROWS, fresh: bool = False) -> Verdict:
-    """Asks a model which row of a figure is better, in the paper's words. Raises ModelError if it gives no verdict."""
+    """Asks a model, in the paper's words, which row of a figure is better. Raises ModelError without a verdict."""
     text = instructions([c.name for c in columns], rows)
     question = Question(text, "The comparison figure:", jpeg_of(figure(columns, rows)), must_see=True)
     return read_verdict(client.ask(question, lambda reply: read_verdict(reply, rows), fresh), rows)
@@ -78,7 +78,7 @@ def instructions(names: Sequence[str], rows: tuple[str, str] = ROWS) -> str:
 
 
 def read_verdict(text: str, rows: tuple[str, str] = ROWS) -> Verdict:
-    """Reads a verdict; bold marks, a colon for the equals sign and other lines are tolerated.
+    """The verdict in an answer; bold marks, a colon for the equals sign and other lines are tolerated.
 
     Raises ModelError if the answer does not name exactly one winner.
     """

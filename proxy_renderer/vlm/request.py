@@ -16,7 +16,7 @@ from ..words.types import SceneDescription
 from .client import Question
 from .transport import clean
 
-_LIGHTS, _MATERIALS = 8, 10  # most of them in a question, which has to fit into small contexts
+_LIGHTS, _MATERIALS = 8, 10  # most lights and materials in a question, which has to fit into a small context
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class AliasTable:
         return values
 
     def bounds(self, instance: Instance) -> tuple[float, float]:
-        """Least and greatest value of a component, as shown."""
+        """Least and greatest value of a component, in the units of `shown`."""
         if _is_direction(instance):
             return -180.0, 180.0
         low, high = self.shown(instance, instance.lower), self.shown(instance, instance.upper)
@@ -73,7 +73,7 @@ class AliasTable:
         return tuple(map(min, lower, upper)), tuple(map(max, lower, upper))
 
     def in_schema_units(self, instance: Instance, lower: Values, upper: Values) -> tuple[Values, Values]:
-        """The inverse of `shown` for a range; a direction is turned by full turns toward the artist's value."""
+        """The inverse of `shown` for a range; full turns (360°) bring a direction close to the artist's value."""
         if instance.parameter.kind == "color" and instance.parameter.scale == SRGB:
             lower, upper = (tuple(decode(max(v, 0.0)) for v in end) for end in (lower, upper))
         if _is_direction(instance):
@@ -121,7 +121,7 @@ range that is right needs no entry: leave it out and it stays. Colors are sRGB c
 def make_question(
     look: str, table: AliasTable, context: SceneDescription, draft: Advice, picture: bytes | None
 ) -> Question:
-    """The question of a round, with the offline planner's draft for the model to improve on."""
+    """The question of a round: the prompt `look`, the scene, the draft to improve on, and a JPEG (None for none)."""
     document = {
         "look": look,
         "scene": [
@@ -176,7 +176,7 @@ def json_object(**properties: Any) -> dict[str, Any]:
 
 
 def _docs(table: AliasTable) -> dict[str, str]:
-    """Family -> what it does, from the parameter table."""
+    """Parameter family -> a text on its effect, with its unit."""
     docs = {}
     for family in dict.fromkeys(i.parameter.family for i in table.rows.values()):
         p = FAMILIES[family]
@@ -203,7 +203,7 @@ def _row(name: str, table: AliasTable, context: SceneDescription, plan: Plan) ->
 
 
 def _measured(context: SceneDescription) -> dict[str, Any]:
-    """Measures of the current image, for models that see images badly or not at all."""
+    """Measures of the current image, for models that see images badly or not at all; {} if there is no image."""
     if context.picture is None:
         return {}
     lab = context.picture.lab

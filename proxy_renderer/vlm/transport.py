@@ -18,7 +18,7 @@ from .endpoint import OPENAI, Endpoint
 
 
 def find_object(text: str, names: Collection[str]) -> dict[str, Any]:
-    """The JSON object in a model's text that has one of these names. Raises ModelError if there is none."""
+    """The first JSON object in a model's text that has one of the keys `names`. Raises ModelError if there is none."""
 
     def refuse(constant: str) -> float:
         raise ValueError(f"{constant} is not JSON")
@@ -37,7 +37,7 @@ def find_object(text: str, names: Collection[str]) -> dict[str, Any]:
 
 
 def clean(text: Any, longest: int) -> str:
-    """A model's text for people: one line, without control and direction characters."""
+    """A model's text on one line of at most `longest` characters, without control characters; "" if it is no text."""
     if not isinstance(text, str):
         return ""
     shown = "".join(" " if c.isspace() else c for c in text[: 20 * longest])
@@ -46,7 +46,10 @@ def clean(text: Any, longest: int) -> str:
 
 
 def scrub(value: Any, secret: str) -> Any:
-    """A JSON value without a secret in any of its strings and keys: a hostile server could send the key back."""
+    """A JSON value with *** for `secret` in its strings and keys, because a hostile server could send the key back.
+
+    A secret of less than 12 characters stays.
+    """
     if (
         len(secret) < 12
     ):  # a word, such as the "ollama" that local servers are given; real keys have 20 characters or more
@@ -67,8 +70,8 @@ class ModelError(VibeError):
         self, message: str, remedy: str, lasting: bool = False, broken: bool = False, complaint: str = ""
     ) -> None:
         super().__init__(message, remedy)
-        self.lasting = lasting  # asking again in this run would fail too, as with a wrong key
-        self.broken = broken  # the server itself failed, see `explain_status`
+        self.lasting = lasting  # True if asking again in this run would fail too, as with a wrong key
+        self.broken = broken  # True if the server itself failed, see `explain_status`
         self.complaint = complaint  # the server's words, which tell what it cannot do; "" for none
 
 
@@ -89,16 +92,17 @@ class Completion:
 
 
 class Transport:
-    """A connection to an endpoint."""
+    """A connection to an endpoint; a request ends when `stop` returns True."""
 
     def __init__(self, endpoint: Endpoint, stop: Callable[[], bool]) -> None:
         self.endpoint, self._stop = endpoint, stop
         self._client: Any = None
 
     def post(self, body: dict[str, Any], seconds: float) -> Completion:
-        """Sends one request and waits for its answer; every failure, and a stop by the user, raises ModelError.
+        """Sends a request and waits at most `seconds` for the answer. Raises ModelError for any failure or a stop.
 
-        The request runs in a thread of its own, so that both limits work if the name look-up hangs, or a server sends a byte a minute.
+        The request runs in its own thread: both limits work even if the name look-up hangs, or a server sends a byte
+        a minute.
         """
         client = self._connect()
         box: queue.Queue[Completion | ModelError] = queue.Queue()
@@ -202,7 +206,7 @@ def read_completion(raw: bytes) -> Completion:
 
 
 def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> ModelError:
-    """The error for an HTTP status, with its remedy and the server's own words ("" for none)."""
+    """The error for an HTTP status, with its remedy; `complaint`: the server's own words, "" for none."""
     # Errors that asking again cannot fix come first.
     lasting, broken, more = True, False, f": {complaint}" if complaint else ""
     if code in (401, 403):
@@ -232,7 +236,7 @@ def explain_status(code: int, complaint: str, headers: Any, point: Endpoint) -> 
 
 
 def _bounded(base: Any, place: str) -> Any:
-    """An HTTP client that reads no more than LARGEST bytes of any answer, errors included."""
+    """A subclass of the HTTP client `base` that reads at most LARGEST bytes of any answer, errors included."""
 
     class Bounded(base):
         def send(self, request: Any, **how: Any) -> Any:

@@ -10,7 +10,7 @@ from typing import Any
 
 
 def begin(act: Callable[[], Any]) -> Future:
-    """Starts a function in a daemon thread; it must not touch Blender's data. The future has its result or exception."""
+    """Runs `act` in a daemon thread; returns the future of its result or exception. `act` must not use `bpy`."""
     future: Future = Future()
 
     def work() -> None:

@@ -16,7 +16,7 @@ COMPOSITOR_IS_GROUP = "compositing_node_group" in Scene.bl_rna.properties  # 5.0
 # Option of a path property: the path may begin with "//"; Blender 5.0 and later need it.
 _OPTIONS = bpy.types.Property.bl_rna.properties
 RELATIVE_PATHS = {"PATH_SUPPORTS_BLEND_RELATIVE"} if "is_path_supports_blend_relative" in _OPTIONS else set()
-IS_MODULE = not bpy.app.binary_path  # Blender is a Python module (bpy); `app.module` tells it since 4.5
+IS_MODULE = not bpy.app.binary_path  # True for the Python module bpy, as `app.module` in 4.5 and later
 EEVEE = "BLENDER_EEVEE" if COMPOSITOR_IS_GROUP else "BLENDER_EEVEE_NEXT"  # the identifier of the engine
 GAMMA_NODE = "ShaderNodeGamma" if COMPOSITOR_IS_GROUP else "CompositorNodeGamma"
 
@@ -41,14 +41,14 @@ def pasted_picture(context: bpy.types.Context) -> bpy.types.Image | None:
 
 
 def enable_nodes(block: bpy.types.Material | bpy.types.World) -> NodeTree:
-    """The node tree of a new material or world; Blender 4 creates it only when nodes are switched on."""
+    """The node tree of a new material or world; in Blender 4, switches its nodes on, which creates the tree."""
     if block.node_tree is None:
         block.use_nodes = True
     return block.node_tree
 
 
 def node_tree(block: Any) -> NodeTree | None:
-    """The node tree that renders a material or world; None where its nodes are off."""
+    """The node tree that a material, world or light is rendered with; None if its nodes are off."""
     on = COMPOSITOR_IS_GROUP or block.use_nodes  # in Blender 5 they are always on, and `use_nodes` is deprecated
     return block.node_tree if on else None
 
@@ -69,7 +69,7 @@ def compositor(scene: Scene) -> NodeTree | None:
 
 
 def compositor_output(tree: NodeTree) -> NodeSocket | None:
-    """The socket of the output node that receives the final image; None without an unmuted output node."""
+    """The input socket of the output node that receives the final image; None without an unmuted output node."""
     kind = "NodeGroupOutput" if COMPOSITOR_IS_GROUP else "CompositorNodeComposite"
     outputs = [node for node in tree.nodes if node.bl_idname == kind and not node.mute]
     if kind == "NodeGroupOutput":
@@ -80,7 +80,7 @@ def compositor_output(tree: NodeTree) -> NodeSocket | None:
 
 
 def set_option(node: Node, prop: str, socket: str, identifier: str, label: str) -> None:
-    """Sets a node's menu: a property with identifiers ("REPLACE_ALPHA") in Blender 4, a socket with labels in Blender 5."""
+    """Chooses from a node's menu: sets property `prop` to `identifier` in Blender 4, input `socket` to `label` in 5."""
     if prop in node.bl_rna.properties:
         setattr(node, prop, identifier)
     else:
@@ -88,7 +88,7 @@ def set_option(node: Node, prop: str, socket: str, identifier: str, label: str) 
 
 
 def curves(block: ID) -> Iterator[bpy.types.FCurve]:
-    """Every animation curve of a data-block: its action's and its NLA strips', and its drivers."""
+    """Yields all animation curves of a data-block: of its drivers, its action, and the actions in its NLA strips."""
     data = getattr(block, "animation_data", None)
     if data is None:
         return
@@ -141,7 +141,7 @@ def drop_compositor(scene: Scene) -> None:
 
 
 def set_to_curve(block: ID, curve: bpy.types.FCurve, frame: float) -> None:
-    """Sets the property that a curve animates to the curve's value; not if the curve is muted or the property is gone."""
+    """Sets a curve's property to the curve's value at `frame`; skips a muted curve, or a property that is gone."""
     if curve.mute:
         return
     path, _, name = curve.data_path.rpartition(".")
@@ -155,7 +155,7 @@ def set_to_curve(block: ID, curve: bpy.types.FCurve, frame: float) -> None:
 
 
 def drop_action(tree: NodeTree | None, frame: int | None = None) -> None:
-    """Unlinks a copied tree from the original's action and NLA strips; with a `frame`, its values are those of that frame."""
+    """Unlinks a copied tree from the original's action and NLA strips; its values become those at `frame`, if given."""
     # Otherwise Blender 5 deletes curves of the original when nodes of the copy are removed.
     data = tree.animation_data if tree else None
     if data is None:
@@ -169,7 +169,7 @@ def drop_action(tree: NodeTree | None, frame: int | None = None) -> None:
 
 
 def separate_compositor(twin: Scene, scene: Scene) -> list[NodeTree]:
-    """Makes a copied scene's compositor read the copy and write no files; returns the node groups added for it."""
+    """Makes the compositor of `twin`, a copy of `scene`, read `twin` and write no files; returns added node groups."""
     tree = compositor(twin)
     if tree is None:
         return []
@@ -186,7 +186,7 @@ def separate_compositor(twin: Scene, scene: Scene) -> list[NodeTree]:
 
 
 def copy_groups(tree: NodeTree, frame: int | None = None) -> list[NodeTree]:
-    """Replaces the node groups of a copied tree, nested ones too, by copies; returns these. `frame`: see `drop_action`."""
+    """Replaces a copied tree's node groups, nested ones too, by copies; returns them. `frame`: see `drop_action`."""
     trees = [tree]
     for each in trees:  # the loop appends the groups that it finds
         for node in each.nodes:
@@ -198,7 +198,7 @@ def copy_groups(tree: NodeTree, frame: int | None = None) -> list[NodeTree]:
 
 
 def editable_compositor(journal: Journal, scene: Scene) -> NodeTree:
-    """The scene's compositor tree: a new one without compositing, a copy of its own if other scenes use it too."""
+    """A compositor tree that only this scene uses: its own, a copy of a shared one, or a new one if it has none."""
     tree = compositor(scene) or start_compositor(journal, scene)
     if not COMPOSITOR_IS_GROUP or sum(s.compositing_node_group == tree for s in bpy.data.scenes) < 2:
         return tree
@@ -208,7 +208,7 @@ def editable_compositor(journal: Journal, scene: Scene) -> NodeTree:
 
 
 def march_volumes(journal: Journal, scene: Scene) -> None:
-    """Lets Blender 5 use Blender 4's ray marching for volumes: large boxes of height fog start rendering seconds sooner."""
+    """Makes Blender 5 march volumes as Blender 4 does, except with volume objects; large fog boxes start sooner."""
     # Vibe Render's fog looks the same; volume objects of the artist would change.
     ours = not any(o.type == "VOLUME" for o in scene.objects)
     if ours and not getattr(scene.cycles, "volume_biased", True):
@@ -216,7 +216,7 @@ def march_volumes(journal: Journal, scene: Scene) -> None:
 
 
 def assign(owner: bpy.types.bpy_struct, **values: Any) -> None:
-    """Sets properties, in this order. Those that this version of Blender does not have are left out."""
+    """Sets properties of `owner` in the given order; skips those that this version of Blender does not have."""
     for name, value in values.items():
         if name in owner.bl_rna.properties:
             setattr(owner, name, value)
@@ -224,7 +224,7 @@ def assign(owner: bpy.types.bpy_struct, **values: Any) -> None:
 
 @contextmanager
 def changed(owner: bpy.types.bpy_struct, **values: Any) -> Iterator[None]:
-    """Sets properties, if this version of Blender has them, and restores the old values afterwards, in reverse order."""
+    """Sets properties as `assign` does; after the `with` block, restores the old values in reverse order."""
     old = []
     try:
         for name, value in values.items():

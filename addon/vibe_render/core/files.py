@@ -22,7 +22,7 @@ _LEAST = 4096  # bytes free on the disk; with fewer, the file just written may b
 
 @contextmanager
 def whole(path: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
-    """A temporary path next to a file, moved onto the file at the end of the block; a failure raises a VibeError."""
+    """Yields a temporary path; after the block, its file replaces `path`. A failure raises VibeError with `remedy`."""
     try:
         with atomic.replacing(path) as part:
             yield part
@@ -34,7 +34,7 @@ def whole(path: Path, remedy: str = "Choose another folder.") -> Iterator[Path]:
 
 
 def unwritable(path: Path, error: Exception, remedy: str) -> schema.VibeError:
-    """The error for a file that cannot be written, with the reason that Blender or Python gives; `remedy` as for `whole`."""
+    """The error for a file that cannot be written, with the reason that Blender or Python gives, and the `remedy`."""
     if atomic.is_full(error):
         return schema.VibeError(f"There is no room left on the disk, in {path.parent}.", "Make room there.")
     reason = getattr(error, "strerror", None) or str(error).strip().removeprefix("Error: ")
@@ -50,7 +50,7 @@ class Outputs:
         self._names: list[str] = []
 
     def path(self, name: str) -> Path:
-        """The temporary path for the file of this name: in the folder, because a .blend keeps paths relative to itself."""
+        """The temporary path of file `name`: in the same folder, because a .blend stores paths relative to itself."""
         if name not in self._names:
             self._names.append(name)
         return self.folder / f"{atomic.part_prefix()}{self._run}-{name}"
@@ -65,7 +65,7 @@ class Outputs:
             path.write_text(text + "\n", encoding="utf-8")
 
     def copy(self, name: str, source: Path) -> None:
-        """Adds a copy of a file."""
+        """Adds a copy of the file `source` under this name."""
         with self._writing(name) as path:
             shutil.copyfile(source, path)
 

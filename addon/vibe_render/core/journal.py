@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Changes to a .blend that can be taken back: a journal records each, and undoing goes through the records backwards."""
+"""Changes to a .blend that can be undone: a journal records each change, and undoes them from the last to the first."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ _GONE = (LookupError, ValueError, AttributeError, ReferenceError)
 
 @dataclass
 class Journal:
-    """Recorded changes. Changing a node in an embedded tree that no data-block owns raises LookupError."""
+    """Makes changes to the file and records them. Raises LookupError for an embedded node tree that nothing owns."""
 
-    entries: list[JournalEntry] = field(default_factory=list)  # in the order of the changes, as JSON
-    # the data-blocks that entries refer to by index, as an artist may rename them; None in place of a deleted one
+    entries: list[JournalEntry] = field(default_factory=list)  # one for each change, the oldest first; JSON
+    # the data-blocks to which entries refer by index, because names may change; None in place of a deleted one
     ids: list[ID | None] = field(default_factory=list)
 
     def refer(self, block: ID) -> int:
-        """The index of a data-block in `ids`."""
+        """The index of a data-block in `ids`, which it is added to if missing."""
         if block not in self.ids:
             self.ids.append(block)
         return self.ids.index(block)
@@ -45,14 +45,14 @@ class Journal:
         tree.links.new(source, target)
 
     def node(self, tree: NodeTree, kind: str, name: str) -> Node:
-        """Adds a node of a `bl_idname` ("ShaderNodeMix"); Blender numbers a name that is taken."""
+        """Adds a node to a tree; `kind`: its `bl_idname` ("ShaderNodeMix"). Blender numbers a name that is taken."""
         node = tree.nodes.new(kind)
         node.name = name
         self._note("node", tree, node=node.name)
         return node
 
     def new(self, collection: str, name: str, *kind: Any) -> Any:
-        """Adds a data-block, numbered if its name is taken; `kind`: further arguments of the collection's `new`."""
+        """Adds a data-block to a `collection` of `bpy.data` ("lights"); `kind`: further arguments of its `new`."""
         block = getattr(bpy.data, collection).new(name, *kind)
         self.entries.append({"op": "new", "id": self.refer(block), "collection": collection})
         return block
@@ -64,7 +64,7 @@ class Journal:
         return twin
 
     def append_material(self, data: ID, material: bpy.types.Material) -> None:
-        """Adds the first material slot to a mesh or curve, which has none."""
+        """Adds a slot with the material to a mesh or curve that has no slots."""
         self.entries.append({"op": "slot", "id": self.refer(data)})
         data.materials.append(material)
 
@@ -75,7 +75,10 @@ class Journal:
         return name
 
     def curve(self, owner: bpy_struct, name: str, index: int) -> FCurve:
-        """Adds an empty curve for a property, or a component of an array; raises LookupError for an action of others."""
+        """Adds an animation curve without keyframes for component `index` of property `name`.
+
+        Raises LookupError if the data-block's action has keyframes, but only of other data-blocks.
+        """
         block = owner.id_data
         data, bag = block.animation_data, _channelbag(block)
         if bag is None:
@@ -95,19 +98,19 @@ class Journal:
         return curve
 
     def hold(self, block: ID, curve: FCurve, key: str, was: float) -> None:
-        """Mutes a curve of the artist, so that its value can change; `key`: its parameter, `was`: its present value."""
+        """Mutes a curve of the artist, so that its property can change; `key`: the parameter, `was`: its value now."""
         place = {"curve": curve.data_path, "index": curve.array_index}
         self._note("held", block, **place, keys=keys_of(curve), key=key, was=was)
         mark_held(curve, True)
 
     def curves(self, op: str) -> list[tuple[JournalEntry, Any, FCurve]]:
-        """(entry, animated data-block, curve) of `hold` ("held") or `curve` ("curve"), if the curve still exists."""
+        """(entry, data-block, curve) of each curve left that `hold` muted (`op` "held") or `curve` added ("curve")."""
         entries = [e for e in self.entries if e["op"] == op and self.ids[e["id"]]]
         blocks = ((entry, resolve(self.ids[entry["id"]], entry["path"])) for entry in entries)
         return [(entry, block, curve) for entry, block in blocks if (curve := _curve(block, entry))]
 
     def _note(self, op: str, struct: bpy_struct, **rest: Any) -> None:
-        """Adds an entry about a data-block, or about a struct in one."""
+        """Adds an entry about a data-block, or about a struct in one; `rest`: the entry's further fields."""
         block, path = address(struct)
         self.entries.append({"op": op, "id": self.refer(block), "path": path, **rest})
 
@@ -121,14 +124,14 @@ class Journal:
             bpy.data.images.remove(image)
 
     def remember(self) -> None:
-        """Records the present values of all properties that were set; `undo` leaves those alone that have changed since."""
+        """Records the present values of all properties that were set; `undo` skips those that change afterwards."""
         for entry in self.entries:
             if entry["op"] == "set":
                 owner = resolve(self.ids[entry["id"]], entry["path"])
                 entry["new"] = self._plain(getattr(owner, entry["name"]))
 
     def _changed_since(self, entry: JournalEntry) -> bool:
-        """True if a property no longer has the value that `remember` recorded."""
+        """True if an entry's property no longer has the value that `remember` recorded; False if none was recorded."""
         block = self.ids[entry["id"]]
         if "new" not in entry or block is None:
             return False
@@ -143,7 +146,7 @@ class Journal:
         return value if isinstance(value, bool | int | float | str | None) else list(value)
 
     def undo(self, first: int = 0) -> list[str]:
-        """Undoes and deletes the entries from index `first` on; returns, in words, what could not be undone."""
+        """Undoes the changes from entry `first` on, deletes their entries, and returns a text for each that failed."""
         lost: list[str] = []
         added: list[tuple[str, ID]] = []
         # Compare before anything is undone: undoing one value may change another, as a matrix does a location.
@@ -233,7 +236,10 @@ class Journal:
 
 
 def address(struct: bpy_struct) -> tuple[ID, str]:
-    """The data-block that owns a struct, and the path from it to the struct; for an embedded node tree, the tree's owner."""
+    """The data-block that owns a struct, and the struct's path in this data-block.
+
+    The owner of an embedded node tree is the material, world, scene or light with this tree; LookupError without one.
+    """
     root = struct.id_data
     # `path_from_id` does not work for a view layer's Cycles settings.
     layer = next((each for each in getattr(root, "view_layers", ()) if getattr(each, "cycles", None) == struct), None)
@@ -250,7 +256,7 @@ def address(struct: bpy_struct) -> tuple[ID, str]:
 
 
 def _loss(block: ID | None, entry: JournalEntry) -> str:
-    """A loss in words for the artist: 'a value of "Monkey": node "Principled BSDF" is gone or changed'."""
+    """Text on an entry that could not be undone: 'a value of "Monkey": node "Principled BSDF" is gone or changed'."""
     try:
         name = f'"{block.name}"' if block else ""
     except ReferenceError:
@@ -282,12 +288,12 @@ def _curve(block: ID, entry: JournalEntry) -> FCurve | None:
 
 
 def held_name(curve: FCurve) -> str:
-    """The name of a curve in the list of muted curves of its action (`HELD`)."""
+    """The name of a curve in `HELD`, the action's list of muted curves: data path and array index."""
     return f"{curve.data_path}[{curve.array_index}]"
 
 
 def mark_held(curve: FCurve, held: bool) -> None:
-    """Mutes a curve of the artist and lists it in `HELD`, or reverses both."""
+    """Mutes a curve of the artist and lists it in `HELD` if `held` is True; otherwise reverses both."""
     action, name = curve.id_data, held_name(curve)
     names = [each for each in action.get(HELD, ()) if each != name] + [name] * held
     curve.mute = held
@@ -298,7 +304,7 @@ def mark_held(curve: FCurve, held: bool) -> None:
 
 
 def keys_of(curve: FCurve) -> Keys:
-    """The values of a curve's keyframes and of their handles."""
+    """(value, left handle's value, right handle's value) of each keyframe of a curve."""
     return [[p.co.y, p.handle_left.y, p.handle_right.y] for p in curve.keyframe_points]
 
 

@@ -15,7 +15,7 @@ ANIMATED = "is animated or driven here"
 
 
 def of_property(owner: bpy_struct, name: str) -> str:
-    """Lock reason of one property of a data-block, or of a struct in it such as a node socket."""
+    """Lock reason of a property of a data-block, or of a struct in it such as a node socket; "" if it may change."""
     block, _ = address(owner)
     if block.library:
         return f'"{block.name}" is linked from {bpy.path.basename(block.library.filepath)}'
@@ -36,13 +36,13 @@ def _animated(owner: bpy_struct, name: str) -> str:
 
 
 def _is_set_aside(curve: bpy.types.FCurve) -> bool:
-    """True if Vibe Render has muted a curve: its own during a search, or one of the artist that is to follow the look."""
+    """True if Vibe Render has muted a curve: one that it added, or one of the artist that is listed in `HELD`."""
     ours = curve.group is not None and curve.group.name == KEYFRAMES
     return curve.mute and (ours or held_name(curve) in curve.id_data.get(HELD, ()))
 
 
 def of_pose(obj: Object) -> str:
-    """Lock reason of an object's location and rotation."""
+    """Lock reason of an object's location and rotation; "" if they may change."""
     if obj.parent:
         return f'"{obj.name}" follows its parent "{obj.parent.name}"'
     if any(not c.mute and c.influence > 0.0 for c in obj.constraints):
@@ -56,7 +56,10 @@ def of_pose(obj: Object) -> str:
 
 
 def of_socket(socket: NodeSocket, source: NodeSocket | None, inside: Sequence[Node] = ()) -> str:
-    """Lock reason of a node input; `source`: the output that computes it, `inside`: the group nodes around it."""
+    """Lock reason of a node input; "" if it may change.
+
+    `source`: the output that computes its value, or None. `inside`: the group nodes around it, the outermost first.
+    """
     if source is not None:
         return f'{socket.name} comes from "{source.node.label or source.node.name}"'
     if inside:

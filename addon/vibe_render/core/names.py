@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Names that are not valid UTF-8, from old files or some importers: Blender's Python cannot read them."""
+"""Replaces names that are not valid UTF-8, from old files or some importers: Blender's Python cannot read them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _replaced: list[str] = []  # names that `note` has not reported yet
 
 
 def make_readable() -> None:
-    """Rewrites texts of the file that are not valid UTF-8; raises VibeError for one in a linked library."""
+    """Rewrites names and other texts of the file that are not valid UTF-8. Raises VibeError for a linked data-block."""
     for struct in _structs():
         for name in (p.identifier for p in struct.bl_rna.properties if p.type == "STRING" and not p.is_readonly):
             try:

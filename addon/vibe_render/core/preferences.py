@@ -14,10 +14,10 @@ _FOLDER = "vibe-render"  # subfolder of the chosen cache folder: Clear deletes o
 
 
 def own_folder(path: str) -> Path:
-    """A folder for the extension's files of this user."""
+    """The user's folder for files of the extension; `path`: its place in the extension's folder, such as "cache"."""
     try:
         return Path(bpy.utils.extension_path_user(ADDON, path=path))
-    except ValueError:  # no extension is installed (command line): where one installed from disk has it
+    except ValueError:  # no extension is installed (command line): the folder of an extension installed from disk
         return Path(bpy.utils.user_resource("EXTENSIONS", path=f".user/user_default/vibe_render/{path}"))
 
 
@@ -34,7 +34,7 @@ def engine_choice(context: bpy.types.Context) -> str:
 
 
 def cache_folder(context: bpy.types.Context) -> Path:
-    """The cache folder, whose content can be made again; a subfolder of the one that the artist has chosen, if any."""
+    """The folder of files that can be made again: in the cache folder of the preferences, or else in `own_folder`."""
     chosen = get(context)
     if chosen and chosen.cache:
         return Path(bpy.path.abspath(chosen.cache)).expanduser() / _FOLDER

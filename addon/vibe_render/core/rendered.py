@@ -26,7 +26,7 @@ _LIT = ("diffuse", "glossy", "transmission")
 
 
 def layer(scene: Scene) -> ViewLayer:
-    """The first view layer that is rendered."""
+    """The first view layer that is used for rendering; the first of all if none is."""
     return next((each for each in scene.view_layers if each.use), scene.view_layers[0])
 
 
@@ -65,7 +65,10 @@ def depsgraph(scene: Scene) -> bpy.types.Depsgraph:
 
 
 def instances(scene: Scene) -> Iterator[tuple[Object, Object | None, Matrix]]:
-    """Yields (object, instancer or None, world matrix) for all that a render shows, evaluated if the viewport shows it."""
+    """Yields (object, instancer or None, world matrix) for all that a render shows.
+
+    Objects that the viewport shows are evaluated, others are not.
+    """
     objects = shown(scene)
     seen = set()
     for item in depsgraph(scene).object_instances:
@@ -108,7 +111,7 @@ def frustum(scene: Scene) -> Matrix | None:
 
 
 def in_frame(to_clip: Matrix, thing: Object, matrix: Matrix) -> bool:
-    """True if an object with this world matrix may be in the camera's view; tests its bounding box, conservatively."""
+    """True unless the bounding box of an object at world `matrix` is outside the view; `to_clip`: from `frustum`."""
     corners = [to_clip @ matrix @ Vector((*corner, 1.0)) for corner in thing.bound_box]
     sides = [(axis, sign) for axis in range(3) for sign in (1.0, -1.0)]
     return not any(all(sign * c[axis] > c.w for c in corners) for axis, sign in sides)
@@ -126,7 +129,7 @@ def worn(thing: Object, of: ViewLayer) -> list[Material | None]:
 
 
 def override_lock(scene: Scene) -> str:
-    """The reason why no material of a scene can change its render; "" without one."""
+    """Lock reason of all materials of a scene if its view layer overrides them; "" without such an override."""
     override = layer(scene).material_override
     if override is None:
         return ""
@@ -184,7 +187,7 @@ def instanced_lights(scene: Scene) -> list[tuple[Object, Matrix]]:
 
 
 def unlit_rays(light: Object) -> list[str]:
-    """The kinds of rays from surfaces to which a light is invisible."""
+    """The kinds of rays to which a light is invisible, of "diffuse", "glossy" and "transmission"."""
     return [ray for ray in _LIT if not getattr(light, f"visible_{ray}")]
 
 
@@ -195,12 +198,12 @@ def world(scene: Scene) -> World | None:
 
 
 def unlit_by(world: World | None) -> list[str]:
-    """The kinds of rays to which a world is invisible."""
+    """The kinds of rays to which a world is invisible, of "camera" and those of `unlit_rays`; [] for no world."""
     return [ray for ray in ("camera", *_LIT) if world and not getattr(world.cycles_visibility, ray)]
 
 
 def set_world(scene: Scene, new: World | None, put: Callable[[Any, str, Any], None] = setattr) -> None:
-    """Replaces the world that a render shows; `put` takes owner, name and value, as `Journal.set` does."""
+    """Makes renders show the world `new` (None: none); `put` sets a property, as `setattr` or `Journal.set` does."""
     of = layer(scene)
     if new is not None and not of.use_sky:
         put(of, "use_sky", True)
@@ -242,7 +245,7 @@ def image_notes(scene: Scene) -> list[str]:
 
 
 def changing_compositor(scene: Scene) -> NodeTree | None:
-    """The compositor tree; None if it only passes on the first rendered view layer, with or without Vibe Render's grade."""
+    """The compositor tree, if it changes the rendered view layer by more than Vibe Render's grade; otherwise None."""
     tree = compat.compositor(scene)
     socket = compat.compositor_output(tree) if tree else None
     while socket is not None and (links := [link for link in socket.links if not link.is_muted]):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A journal in a custom property of its scene: Blender saves, undoes and redoes it together with the scene."""
+"""Stores journals in custom properties of the scene: Blender saves, undoes and redoes them together with it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Damaged(Exception):
 
 
 def load(scene: Scene, key: str) -> Journal:
-    """The journal in an existing property of the scene; raises `Newer` or `Damaged`."""
+    """The journal in the scene's custom property `key`, which has to exist. Raises `Newer` or `Damaged`."""
     stored = scene[key]
     try:
         if stored["version"] > VERSION:
@@ -43,7 +43,7 @@ def load(scene: Scene, key: str) -> Journal:
 
 
 def sound(scene: Scene, key: str) -> Journal:
-    """The journal in a property of the scene; an empty one if there is none, or if it cannot be read."""
+    """The journal in the scene's custom property `key`; an empty one if there is none, or if it cannot be read."""
     try:
         return load(scene, key) if key in scene else Journal()
     except (Newer, Damaged):
@@ -51,7 +51,7 @@ def sound(scene: Scene, key: str) -> Journal:
 
 
 def store(scene: Scene, key: str, journal: Journal) -> None:
-    """Stores a journal in a property of the scene."""
+    """Stores a journal in the scene's custom property `key`."""
     # Pointers instead of names: they survive renaming, saving and reopening.
     # The scene itself is left out: it must not count as its own user.
     ids = {str(i): block for i, block in enumerate(journal.ids) if block not in (None, scene)}
@@ -61,7 +61,7 @@ def store(scene: Scene, key: str, journal: Journal) -> None:
 
 
 def _is_entry(entry: Any, count: int) -> bool:
-    """True if this is an entry that a journal of `count` data-blocks writes."""
+    """True if `entry` has the form that `Journal` writes, and refers to one of `count` data-blocks."""
     if not (isinstance(entry, dict) and _is_index(entry.get("id"), count)):
         return False
     path = entry.get("path")

@@ -13,7 +13,7 @@ from bpy.types import ID
 
 @contextmanager
 def temporary(block: Any, *others: ID) -> Iterator[Any]:
-    """Removes data-blocks after the `with` block, whatever happens inside; yields the first."""
+    """Yields `block`; removes `block` and `others` from the file after the `with` block, even after an exception."""
     try:
         yield block
     finally:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Value slots: one value of a parameter in a scene, with a reader, a writer and a lock reason."""
+"""Value slots: objects that read and write one value in a scene, and know why it is locked, if it is."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class DerivedSlot:
     """A number that follows from the value of another slot."""
 
     inner: ValueSlot
-    read: Callable[[Any], float]  # this number, from the inner slot's value
+    read: Callable[[Any], float]  # inner slot's value -> this number
     written: Callable[[Any, float], Any]  # (present inner value, new number) -> new inner value
 
     @property
@@ -115,7 +115,10 @@ class _JointSlot:
 
 
 def together(slots: Sequence[ValueSlot]) -> ValueSlot | None:
-    """A slot that reads the first unlocked slot and writes all unlocked ones; if all are locked, the first of them."""
+    """A slot that reads the first unlocked slot and writes all unlocked ones.
+
+    If all slots are locked, the first of them; None if there are none.
+    """
     free = [slot for slot in slots if not slot.locked]
     if len(free) > 1:
         return _JointSlot(free)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene as the engine's job: materials, textures, camera, lights, film and world, as files."""
+"""Exports a scene to a job folder, which the engine reads: meshes, materials, camera, lights, film and world."""

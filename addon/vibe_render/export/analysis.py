@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scene analysis: a scene's geometry, what its camera sees of it, its subject, and the pivot of its orbits."""
+"""Scene analysis: geometry, surfaces that the camera sees, subject, and the pivot that camera and lights orbit."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from .materials import uv_of
 
 @dataclass(frozen=True)
 class VisibleScene:
-    """A captured scene and what its camera sees of it; holds no reference into Blender's data."""
+    """A captured scene's geometry, and the surfaces that its camera sees; holds no reference into Blender's data."""
 
     geometry: SceneGeometry
     visible: VisibleSurfaces
-    blocks: frozenset[tuple[str, str]]  # kind and name of the objects and materials that the geometry names
+    blocks: frozenset[tuple[str, str]]  # (kind, name) of the geometry's objects and materials, see `data_blocks`
 
 
 @dataclass(frozen=True)
@@ -35,9 +35,9 @@ class SceneCapture:
     """A copy of what a render of a scene shows; holds no reference into Blender's data."""
 
     meshes: list[PlacedMesh]
-    warnings: list[str]  # what could not be copied, in words for the artist
+    warnings: list[str]  # notes for the artist on what could not be copied
     camera: RayCamera
-    blocks: frozenset[tuple[str, str]]  # kind and name of all objects and materials of the file
+    blocks: frozenset[tuple[str, str]]  # (kind, name) of all objects and materials of the file
 
     def visible_scene(self) -> VisibleScene:
         """Computes what the camera sees. Safe in a thread: it reads nothing of Blender's data."""
@@ -50,13 +50,13 @@ class SceneCapture:
 
 @dataclass(frozen=True)
 class SceneAnalysis:
-    """A scene's geometry, visible surfaces and subject, before anything is changed."""
+    """A scene's geometry, visible surfaces and subject, as they are before a vibe changes values."""
 
     scene: Scene
     geometry: SceneGeometry
     visible: VisibleSurfaces
     is_subject: np.ndarray  # (number of objects in the geometry,) bool
-    objects: tuple[Object, ...]
+    objects: tuple[Object, ...]  # those that the subject consists of
     low: tuple[float, float, float]  # and `high`: corners of the subject's bounding box, world space, meters
     high: tuple[float, float, float]
 
@@ -67,12 +67,12 @@ class SceneAnalysis:
         return x, y, z
 
     def context(self) -> SceneContext:
-        """The context of the scene as it is now: what locators need."""
+        """The scene, its subject and pivot, from which locators find the places of values."""
         return SceneContext(self.scene, self.objects, Vector(self.pivot))
 
 
 def check_scene(scene: Scene) -> None:
-    """Makes names readable, and raises a VibeError if the scene has a camera that cannot be used."""
+    """Replaces names that are not UTF-8. Raises VibeError for an unusable camera; a scene without a camera passes."""
     names.make_readable()
     camera = scene.camera
     if camera is None:  # one will be added
@@ -103,7 +103,10 @@ def data_blocks() -> frozenset[tuple[str, str]]:
 
 
 def analyze(scene: Scene, choice: subject.SubjectChoice, visible_scene: VisibleScene | None = None) -> SceneAnalysis:
-    """Analyzes a scene, by default as it is now; raises VibeError without a camera, a mesh in view, or the subject."""
+    """Analyzes a scene as it is now, or as captured in `visible_scene`; `choice` names the subject.
+
+    Raises VibeError if there is no usable camera, no mesh in view, or no such subject.
+    """
     visible_scene = visible_scene or capture(scene).visible_scene()
     geometry, visible = visible_scene.geometry, visible_scene.visible
     if not len(geometry.faces):
@@ -125,7 +128,7 @@ def analyze(scene: Scene, choice: subject.SubjectChoice, visible_scene: VisibleS
 
 
 def with_subject_of(analysis: SceneAnalysis, first_shot: SceneAnalysis) -> SceneAnalysis:
-    """The analysis of a shot with the first shot's subject and pivot; raises VibeError if this subject is hidden."""
+    """A shot's `analysis` with the subject and pivot of the first shot. Raises VibeError if this subject is hidden."""
     names = {o.name_full for o in first_shot.objects}
     objects = analysis.geometry.objects
     is_subject = np.array([name in names or parent in names for name, parent in objects])

@@ -26,7 +26,7 @@ FORMAT = 1
 
 
 def _finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, schema.Instance], list[str]]:
-    """The parameters, with a locked default in place of each value that is not finite, and a warning for each of them."""
+    """Parameters by key, and warnings: a value that is not finite becomes the default, locked, with a warning."""
     finite, warnings = {}, []
     for key, instance in read.items():
         if not all(map(math.isfinite, instance.value)):
@@ -39,7 +39,7 @@ def _finite_instances(read: Mapping[str, schema.Instance]) -> tuple[dict[str, sc
 
 
 def _finite_content(value: Any, path: str, warnings: list[str]) -> Any:
-    """A copy of nested dicts and lists with 0 in place of numbers that are not finite; adds a warning for each."""
+    """A copy of nested dicts and lists, 0 for numbers that are not finite; adds a warning with `path` for each."""
     if isinstance(value, Mapping):
         return {key: _finite_content(item, f"{path}/{key}" if path else key, warnings) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -53,13 +53,13 @@ def _finite_content(value: Any, path: str, warnings: list[str]) -> Any:
 
 @dataclass
 class SceneJob:
-    """A job folder and what Blender knows about its scene."""
+    """A job folder that has been written, and the add-on's facts about its scene: parameters and notes."""
 
     folder: Path
     analysis: SceneAnalysis
     instances: dict[str, schema.Instance]  # the scene's parameters, by key
-    standby: dict[str, schema.Instance]  # those of lights and of a backdrop that are added only if words ask for them
-    warnings: list[str]  # notes for the artist: first `view_notes`, then what the engine only approximates
+    standby: dict[str, schema.Instance]  # by key, those of lights and a backdrop that only words may add
+    warnings: list[str]  # notes for the artist, with `view_notes`: on what the engine approximates
     view_notes: list[str]  # notes for the artist on faults of the camera's view, which no look can cure
     filling: str  # the object that fills the image; "" if others are visible
 
@@ -70,14 +70,14 @@ class SceneJob:
         return {**self.instances, **backdrop}
 
     def with_additions_of(self, values: Mapping[str, Sequence[float]]) -> SceneJob:
-        """The job with the standby lights and backdrop, and the copies of materials, to which `values` (by key) belong."""
+        """The job with those standby lights, backdrop and copies of materials that `values` (by key) belong to."""
         owners = {schema.split_key(key)[1] for key in values if key in self.standby}
         added = {key: i for key, i in self.standby.items() if i.owner in owners}
         return replace(self, instances={**self.instances, **added, **copied_values(self.instances, values)})
 
 
 def copied_values(instances: Mapping[str, schema.Instance], keys: Iterable[str]) -> dict[str, schema.Instance]:
-    """The parameters of the copies of materials among `keys`, with the values of the copied materials."""
+    """Parameters, by key, of copied materials: those of `keys` not in `instances`, with the original's values."""
     sources = {key: instances.get(schema.material_copies.copied_key(key)) for key in keys if key not in instances}
     return {key: replace(i, owner=schema.split_key(key)[1]) for key, i in sources.items() if i}
 
@@ -85,7 +85,7 @@ def copied_values(instances: Mapping[str, schema.Instance], keys: Iterable[str])
 def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> SceneJob:
     """Writes the job folder, `scene.json` last and atomically.
 
-    Unless `measure`, textures and world, which may need renders, are left out: such a job only explains words.
+    Without `measure`, textures and world, which may need renders, are left out: such a job can only explain words.
     """
     folder.mkdir(parents=True, exist_ok=True)
     scene, geometry = analysis.scene, analysis.geometry
@@ -129,7 +129,7 @@ def write_job(analysis: SceneAnalysis, folder: Path, measure: bool = True) -> Sc
 
 
 def write_sketch(analysis: SceneAnalysis, folder: Path) -> None:
-    """Writes a job folder without textures, world and fog, almost without renders: all that words can refer to."""
+    """Writes a job folder with all that words can refer to, almost without renders: no textures, world or fog."""
     folder.mkdir(parents=True, exist_ok=True)
     materials = _unmeasured(analysis)
     # Parameters that explain words: positions of lights, emission of materials.
@@ -142,7 +142,7 @@ def write_sketch(analysis: SceneAnalysis, folder: Path) -> None:
 
 
 def _unmeasured(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
-    """All materials of a scene by name, without computed inputs."""
+    """All materials of a scene by name, without the inputs that nodes compute."""
     by_name = {m.name_full: m for m in bpy.data.materials}
     exported = [export_material(by_name.get(name), {}) for name in analysis.geometry.materials]
     return {each.row["name"]: each for each in exported}
@@ -229,7 +229,10 @@ def _roles(analysis: SceneAnalysis) -> dict[str, str]:
 def _instances(
     analysis: SceneAnalysis, materials: Mapping[str, ExportedMaterial], groups: Sequence[str] = schema.GROUPS
 ) -> tuple[dict[str, schema.Instance], list[str]]:
-    """The scene's parameters, and notes, as from `_finite_instances`; locked ones for values that only the export knows."""
+    """The scene's parameters by key, and warnings, see `_finite_instances`.
+
+    Values of materials that only the export knows, such as means of textures, are locked.
+    """
     roles = _roles(analysis)
     bound = bindings.instances(analysis.scene, analysis.objects, analysis.pivot, groups)
     instances = {

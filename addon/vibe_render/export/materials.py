@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials as the engine sees them: every surface as a Principled BSDF, exact or approximated.
 
-Mixed shaders are the sum of their inputs, weighted by the measured factors of the mixes.
+For mixed shaders, it is a mean of their inputs, weighted by the measured factors of the Mix Shaders.
 """
 
 from __future__ import annotations
@@ -41,9 +41,9 @@ COMPUTED = {"alpha": "Alpha", "normal": "Normal"} | {
     for name, parameter in _PARAMETERS.items()
     if name not in ("ior", "tint", "recolor")
 }
-"""Inputs that nodes may compute, and the names of their sockets on the Principled BSDF."""
+"""Inputs that nodes may compute -> names of their sockets on the Principled BSDF."""
 UNIFORM = {"specular", "specular_tint", "coat_roughness", "sheen"}
-"""Inputs of `COMPUTED` for which the engine takes no texture: the mean stands for them."""
+"""Inputs of `COMPUTED` for which the engine takes only the mean, no texture."""
 
 PRINCIPLED = "ShaderNodeBsdfPrincipled"
 COLORS = ("base_color", "emission_color", "specular_tint")
@@ -53,7 +53,7 @@ NO_MATERIAL = "(no material)"  # name of the entry for faces without a material
 
 @dataclass(frozen=True)
 class MeasuredChannel:
-    """A measured computed input: its mean, (1,) or (3,), and its texture if it varies."""
+    """Measured values of an input that nodes compute: the mean, (1,) or (3,), and a texture if they vary."""
 
     mean: np.ndarray
     picture: ExportedTexture | None = None
@@ -66,7 +66,7 @@ class MeasuredChannel:
 
 @dataclass
 class Mixture:
-    """The shaders of a material, with the computed factors of their mixes."""
+    """The shaders of a material, with the mix factors and base colors that nodes compute."""
 
     material: Material
     measured: Mapping[str, MeasuredChannel]  # the measured values of `channels`; empty before they are measured
@@ -88,7 +88,10 @@ class Mixture:
         return mixture
 
     def cutout(self) -> tuple[ValueOrigin, bool] | None:
-        """The factor of a last mix with a Transparent BSDF, if computed, and whether it is that BSDF's weight; else None."""
+        """The computed factor of the mix with the only Transparent BSDF, and True if the factor is that BSDF's weight.
+
+        None without such a mix at the output, or if nodes do not compute its factor.
+        """
         clear = [layer for layer in self.layers if layer.kind == TRANSPARENT]
         if len(clear) != 1 or len(clear[0].sides) != 1:
             return None
@@ -96,7 +99,7 @@ class Mixture:
         return (origin, clear[0].sides[0].second) if origin.source else None
 
     def channels(self) -> dict[str, ValueOrigin]:
-        """The origins of the factors and colors that have to be measured, by channel."""
+        """Channel ("mix0", "color0" …) -> origin of the factor or color that has to be measured."""
         channels = {f"mix{number}": origin for number, origin in enumerate(self.factors)}
         if len(self.colors) > 1:
             computed = ((n, origin) for n, origin in enumerate(self.colors) if origin.source)
@@ -106,7 +109,8 @@ class Mixture:
     def share(self, layer: Layer, coats: bool = False) -> np.ndarray:
         """A shader's weight in the mix, in [0, 1]: (h, w, 1) or (1, 1, 1).
 
-        With `coats`, shaders mixed in by a Fresnel or Layer Weight node have no weight: that below keeps all of it.
+        With `coats`, a shader that a Fresnel or Layer Weight node mixes in counts as a coat: it has weight 0, and the
+        shader below it keeps its full weight.
         """
         total: np.ndarray = np.ones((1, 1, 1), np.float32)
         for side in layer.sides:
@@ -123,7 +127,7 @@ class Mixture:
         return total
 
     def opacity(self) -> np.ndarray:
-        """1 minus the weights of transparent shaders times the means of their colors: (h, w, 1) or (1, 1, 1)."""
+        """Opacity, (h, w, 1) or (1, 1, 1): 1 minus each Transparent BSDF's weight times the mean of its color."""
         total: np.ndarray = np.ones((1, 1, 1), np.float32)
         for layer in self.layers:
             if layer.kind == TRANSPARENT and (layer.sides or len(self.layers) == 1):
@@ -132,7 +136,7 @@ class Mixture:
         return np.clip(total, 0.0, 1.0)
 
     def color(self) -> np.ndarray:
-        """The weighted mean of the base colors of `layers.body`, before Vibe Render's tint: (h, w, 3) or (1, 1, 3)."""
+        """Base color, (h, w, 3) or (1, 1, 3), before Vibe Render's tint: the weighted mean over `layers.body`."""
         total, weight = np.zeros((1, 1, 3), np.float32), np.full((1, 1, 1), 1e-6, np.float32)
         places = [each.source or each.socket for each in self.colors]
         for layer in layers.body(self.material):
@@ -150,7 +154,7 @@ class Mixture:
         return (total / weight).astype(np.float32)
 
     def glow(self) -> np.ndarray | None:
-        """An Emission node's part of the opacity, (h, w, 1) or (1, 1, 1); None if it is 1, or without a mixed Emission."""
+        """The Emission's share of the opacity, (h, w, 1) or (1, 1, 1); None if it is 1, or no Emission is mixed in."""
         lights = [layer for layer in self.layers if layer.matter == "light"]
         if not lights or not lights[0].sides:
             return None
@@ -158,7 +162,7 @@ class Mixture:
         return None if (share > 0.99).all() else share
 
     def values(self, base: Layer) -> dict[str, schema.Values]:
-        """Inputs of a Principled BSDF that stand for the shaders mixed with `base`, the one with the base color."""
+        """Values of the Principled inputs that stand for shaders mixed with `base`, the shader with the base color."""
         shares = {layer.matter: 0.0 for layer in self.layers}
         for layer in self.layers:
             if layer.kind != TRANSPARENT:
@@ -188,7 +192,7 @@ class Mixture:
 
 
 def _gloss(layer: Layer) -> tuple[float, schema.Values, float]:
-    """The strongest component of a glossy shader's color, the color divided by it, and the roughness."""
+    """The greatest component of a glossy shader's color, the color divided by this component, and the roughness."""
     color, rough = layer.shader.input("Base Color"), layer.shader.input("Roughness")
     assert color
     tinge = (0.8, 0.8, 0.8) if active_links(color) else tuple(map(float, color.default_value[:3]))
@@ -228,7 +232,7 @@ def uv_of(material: Material) -> tuple[str, np.ndarray]:
 
 
 def computed_inputs(material: Material | None) -> dict[str, ValueOrigin | None]:
-    """Origins of a material's computed inputs, by input, before Vibe Render's tint.
+    """Input -> origin of its value before Vibe Render's tint, for the inputs of a material that nodes compute.
 
     Inputs are those of `COMPUTED` and the channels of `Mixture`. The origin of "normal" is None if Displacement makes it.
     """
@@ -251,7 +255,7 @@ def computed_inputs(material: Material | None) -> dict[str, ValueOrigin | None]:
 
 
 def export_material(material: Material | None, measured: Mapping[str, MeasuredChannel]) -> ExportedMaterial:
-    """Describes a material (None: faces without one), given the measurements of its `computed_inputs`."""
+    """A material for the engine (None: faces without one); `measured`: the values of its `computed_inputs`."""
     if material is None:
         values = {**DEFAULTS, **trails.SHADERS["ShaderNodeBsdfDiffuse"].stand_in}
         return ExportedMaterial(_row(NO_MATERIAL), {}, values, "it has no material")
@@ -306,7 +310,7 @@ def _row(name: str) -> dict[str, Any]:
 
 
 def _constants(base: Layer, mixture: Mixture, row: dict[str, Any]) -> None:
-    """Adds the inputs that no vibe changes to a material's row."""
+    """Adds to a material's `row` the inputs that no vibe changes."""
     for name, socket in CONSTANTS.items():
         entry = base.shader.input(socket)
         if entry is not None:
@@ -321,7 +325,7 @@ def _constants(base: Layer, mixture: Mixture, row: dict[str, Any]) -> None:
 
 
 def _mixed(result: ExportedMaterial, mixture: Mixture) -> None:
-    """Adds the sums of mixed shaders: base color, opacity, and emission color times the share of the Emission node."""
+    """Adds mixed shaders' base color, opacity and emission color (times the Emission's share) to `result`."""
     window = next((c.picture for name, c in mixture.measured.items() if name.startswith("mix")), None)
     frame = window or ExportedTexture(np.ones((1, 1, 1), np.float32))
     if len(mixture.colors) > 1:
@@ -339,7 +343,7 @@ def _mixed(result: ExportedMaterial, mixture: Mixture) -> None:
 
 
 def _varying(result: ExportedMaterial, mixture: Mixture) -> None:
-    """Adds the computed inputs: as a texture if the engine takes one, otherwise as the mean."""
+    """Adds to `result` the inputs that nodes compute: a texture if the engine takes one, otherwise the mean."""
     cut = mixture.cutout()
     for name, channel in mixture.measured.items():
         if name not in COMPUTED and name != "far":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Computed inputs of a scene's materials: as textures over UVs where possible, otherwise from small renders.
+"""Measures the material inputs that nodes compute: as textures over UVs where possible, otherwise by small renders.
 
 One Cycles render of the camera's view measures most inputs of all materials at each pixel: a temporary AOV output is
 linked to each input. This works for every node network, whatever its texture coordinates. Flat surfaces, such as floors
@@ -29,11 +29,11 @@ from .materials import COLORS, ExportedMaterial, MeasuredChannel, computed_input
 
 _GROWN = 4  # pixels by which a map reaches beyond where its material is seen
 _INDEX, _SQUARE = "Vibe Index", "Vibe Square"
-_REACH = 3.0  # camera distances from the subject: beyond, the patterns of a plane look too small
+_REACH = 3.0  # camera distances from the pivot; farther away, the patterns of a plane look too small
 
 
 def measured_materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
-    """All materials of a scene by name, with what their nodes compute."""
+    """All materials of a scene, by name, for the engine, with measured values of the inputs that nodes compute."""
     geometry = analysis.geometry
     by_name = {m.name_full: m for m in bpy.data.materials}
     chosen = {name: by_name.get(name) for name in geometry.materials}
@@ -73,7 +73,7 @@ def measured_materials(analysis: SceneAnalysis) -> dict[str, ExportedMaterial]:
 def _over_uvs(
     material: Material, channel: str, origin: ValueOrigin | None, uvs: np.ndarray
 ) -> textures.ExportedTexture | None:
-    """The texture of a base color or alpha over the material's UV map; None if the input has to be rendered in place."""
+    """The texture of a base color or alpha over the material's UV map; None for inputs that a render must measure."""
     if origin is None or channel not in ("base_color", "alpha"):
         return None
     chosen, matrix = uv_of(material)
@@ -87,7 +87,7 @@ def _over_uvs(
 
 
 def _straight_on(analysis: SceneAnalysis, request: PassRequest) -> textures.ExportedTexture | None:
-    """A flat surface's texture from a render straight on, also outside the camera's view; None for other surfaces."""
+    """A flat surface's texture, rendered straight on and also outside the camera's view; None for other surfaces."""
     geometry, eye = analysis.geometry, analysis.scene.camera.matrix_world.translation
     chosen = geometry.material == geometry.materials.index(request.material.name_full)
     pivot = np.array(analysis.pivot)
@@ -109,7 +109,7 @@ def _straight_on(analysis: SceneAnalysis, request: PassRequest) -> textures.Expo
 
 @dataclass(frozen=True)
 class PassRequest:
-    """A computed input to bake; `origin` is None for a normal that comes from Displacement, rendered as bump."""
+    """A request to bake an input that nodes compute; `origin` is None for a normal from Displacement, shown as bump."""
 
     material: Material
     channel: str
@@ -124,7 +124,10 @@ class PassRequest:
 def bake_passes(
     scene: Scene, requests: Sequence[PassRequest], plane: CapturePlane | None = None
 ) -> dict[tuple[str, str], MeasuredChannel]:
-    """Bakes visible inputs with one render of the camera's view, or of a plane; by (name of the material, channel)."""
+    """Bakes inputs with one render of the camera's view, or of `plane`.
+
+    Returns values by (name of the material, channel); inputs out of view or in linked libraries are missing.
+    """
     # What comes from linked libraries cannot be changed.
     requests = [r for r in requests if not (r.material.library or r.tree.library or r.tree.override_library)]
     if not requests:
@@ -163,12 +166,12 @@ def bake_passes(
 
 
 def _is_color(channel: str) -> bool:
-    """True for channels of three components, such as "normal": in world space, mapped from [-1, 1] to [0, 1]."""
+    """True for channels of three components: colors, and "normal" (world space, mapped from [-1, 1] to [0, 1])."""
     return channel in (*COLORS, "normal") or channel.startswith("color")
 
 
 def _render(twin: Scene, channels: Sequence[str], samples: int) -> dict[str, np.ndarray]:
-    """Renders all AOVs, by name; switches off lights, world and fog as far as a scene's settings can."""
+    """AOV name -> its image, from one render without lights, world and fog, as far as a scene's settings allow."""
     layer, cycles = rendered.layer(twin), twin.cycles
     rendered.set_world(twin, None)
     twin.render.engine = "CYCLES"
@@ -184,14 +187,14 @@ def _render(twin: Scene, channels: Sequence[str], samples: int) -> dict[str, np.
 
 
 def _added(stack: ExitStack, tree: NodeTree, kind: str) -> Node:
-    """A new shader node, which the stack removes."""
+    """A new node of type "ShaderNode" + `kind`, which `stack` removes when it closes."""
     node = tree.nodes.new(f"ShaderNode{kind}")
     stack.callback(tree.nodes.remove, node)
     return node
 
 
 def _send(stack: ExitStack, request: PassRequest) -> None:
-    """Adds an AOV output for a requested input to the tree that computes it; the stack removes it."""
+    """Adds an AOV output for a requested input to the tree that computes the input; `stack` removes the output."""
     tree = request.tree
     output = _added(stack, tree, "OutputAOV")
     output.aov_name = f"Vibe {request.channel}"
@@ -208,7 +211,7 @@ def _send(stack: ExitStack, request: PassRequest) -> None:
 
 
 def _cropped(values: np.ndarray, shown: np.ndarray) -> MeasuredChannel:
-    """The part of an image (H, W, C) where `shown` (H, W) is true, extended by `_GROWN` pixels on all sides."""
+    """The mean of an image (H, W, C) where `shown` (H, W) is True, and the texture of this part, grown by `_GROWN`."""
     height, width = shown.shape
     rows, columns = shown.any(1).nonzero()[0], shown.any(0).nonzero()[0]
     bottom, top = max(0, rows[0] - _GROWN), min(height, rows[-1] + 1 + _GROWN)
@@ -249,7 +252,7 @@ class CapturePlane:
 
 
 def capture_plane(corners: np.ndarray, pivot: np.ndarray, distance: float) -> CapturePlane | None:
-    """The square around a flat surface, at most `_REACH` camera distances from the pivot; else None.
+    """The square around a flat surface, at most `_REACH` camera distances from the pivot; None for other surfaces.
 
     `corners` (F, 3, 3), of the surface's triangles, and `pivot` (3,) are in world space; `distance` is from camera to pivot.
     """
@@ -275,7 +278,7 @@ def capture_plane(corners: np.ndarray, pivot: np.ndarray, distance: float) -> Ca
 
 @contextmanager
 def straight_on(scene: Scene, plane: CapturePlane) -> Iterator[None]:
-    """Gives a scene an orthographic camera that sees only this plane, nothing in front or behind; inside the block."""
+    """Inside the block, the scene has an orthographic camera that sees `plane`, and nothing before or behind it."""
     data = bpy.data.cameras.new("Vibe Bake")
     camera = bpy.data.objects.new("Vibe Bake", data)
     scene.collection.objects.link(camera)

@@ -13,11 +13,11 @@ from ..core.schema_import import schema
 from ..scene.nodes import grade
 from .analysis import SceneAnalysis
 
-_NAMED, _MOST = 3, 5  # materials that are named for a reason, and notes that are shown
+_NAMED, _MOST = 3, 5  # most materials that a note names, and most notes that are shown
 
 
 def notes_by_reason(notes: Mapping[str, Sequence[str]]) -> list[str]:
-    """A line for each reason: "Glossy BSDF is approximated in A, B and 7 more."; names keep the order of `notes`."""
+    """A line for each reason in `notes` (material -> reasons): "Glossy BSDF is approximated in A, B and 7 more."."""
     things: dict[str, list[str]] = {}
     for name, reasons in notes.items():
         for reason in dict.fromkeys(reasons):
@@ -30,14 +30,14 @@ def notes_by_reason(notes: Mapping[str, Sequence[str]]) -> list[str]:
 
 
 def shortened_notes(lines: Sequence[str]) -> list[str]:
-    """The first five different lines, and a line with the number of the others."""
+    """The first five different lines, and a line with the number of the others, if there are more."""
     lines = list(dict.fromkeys(lines))
     rest = len(lines) - _MOST
     return lines if rest <= 0 else [*lines[:_MOST], f"And {rest} more."]
 
 
 def filling(analysis: SceneAnalysis) -> int | None:
-    """The number of the object that fills the image; None if others are visible, or the subject is all there is."""
+    """Index of the object that fills the image; None if others are visible, or all objects are the subject."""
     objects, shown = analysis.geometry.objects, analysis.visible.object
     number = int(np.bincount(shown[shown >= 0]).argmax())
     alone = len(objects) < 2 or analysis.is_subject.sum() == len(objects)
@@ -62,9 +62,10 @@ def view_notes(analysis: SceneAnalysis) -> list[str]:
 
 
 def check_shows(scene: Scene, filling: str, lit: bool) -> None:
-    """Raises a VibeError with the cause of a black render; not if only light is missing and the words may add it (`lit`).
+    """Raises VibeError with the cause of a black render; with `lit`, not if light is all that is missing.
 
-    `filling` is the name of the object that fills the image; "" if others are visible.
+    `lit` is True if the words may add light. `filling` is the name of the object that fills the image; "" if others are
+    visible.
     """
     if grade.cut_off(compat.compositor(scene)):
         why, remedy = "no picture reaches the output of its compositor", "Connect one, or take the compositor out."

@@ -31,10 +31,10 @@ def export_scene(
     eyes: Sequence[Vector] = (),
     measure: bool = True,
 ) -> SceneJob:
-    """Adds what the scene lacks and writes its job folder (see `write_job`); after a failure the scene is as it was.
+    """Adds missing parts (see `prepare_scene`) and writes the job folder (`write_job`); a failure undoes the additions.
 
-    A shot takes the subject and pivot of the scene's first shot. `eyes` are the camera positions of all of its shots: one
-    fog box encloses them.
+    If `first_shot` is given, the shot takes its subject and pivot. `eyes` are the camera positions of all shots of this
+    scene: one fog box encloses them.
     """
     with _prepared(scene, choice) as analysis:
         if eyes:
@@ -54,7 +54,7 @@ def export_captured(scene: Scene, folder: Path, choice: SubjectChoice, visible: 
 
 
 def prepare_and_snapshot(scene: Scene, choice: SubjectChoice) -> None:
-    """Mutes Vibe Render's keyframes and adds what the scene lacks; starts a snapshot, if there is none, for Revert."""
+    """Mutes Vibe Render's keyframes, adds missing parts (see `prepare_scene`), takes a snapshot if there is none."""
     check_scene(scene)
     keyframes.set_aside(scene)
     prepare_scene(scene, named_objects(scene, choice))
@@ -63,34 +63,34 @@ def prepare_and_snapshot(scene: Scene, choice: SubjectChoice) -> None:
 
 @dataclass(frozen=True)
 class SceneReading:
-    """A scene's parameters for presets, by key, and its analysis: less than a job, and nothing is written to disk."""
+    """A scene's analysis and, for presets, its parameters by key: less than a job, and nothing is written to disk."""
 
     analysis: SceneAnalysis
     instances: dict[str, schema.Instance]
 
 
 def read_scene(scene: Scene, choice: SubjectChoice) -> SceneReading:
-    """Reads the parameters of a scene that has a camera, without changing it; raises as `export_scene`."""
+    """Reads the parameters of a scene that has a camera, without changing it; raises VibeError as `analyze`."""
     analysis = analyze(scene, choice)
     return SceneReading(analysis, read_parameters(analysis))
 
 
 def prepare_and_read(scene: Scene, choice: SubjectChoice) -> SceneReading:
-    """Adds what the scene lacks and reads its parameters; fails as `export_scene`."""
+    """Adds missing parts (see `prepare_scene`) and reads the parameters; a failure undoes the additions."""
     with _prepared(scene, choice) as analysis:
         return SceneReading(analysis, read_parameters(analysis))
 
 
 @contextmanager
 def _prepared(scene: Scene, choice: SubjectChoice) -> Iterator[SceneAnalysis]:
-    """Adds what a scene lacks and yields its analysis; a failure inside the block undoes the additions."""
+    """Adds missing parts (see `prepare_scene`) and yields the analysis; a failure in the block undoes the additions."""
     with snapshot.rollback_on_failure(scene):
         prepare_and_snapshot(scene, choice)
         yield analyze(scene, choice)
 
 
 def sketch_scene(scene: Scene, folder: Path, choice: SubjectChoice) -> None:
-    """Writes a sketch: a job folder with bounding boxes in place of meshes, for explaining words; changes names at most."""
+    """Writes a sketch: a job folder with boxes as meshes, which can only explain words. Replaces unreadable names."""
     check_scene(scene)
     rendered.layer(scene).update()  # collections and matrices that have just changed
     camera = ray_camera(scene)

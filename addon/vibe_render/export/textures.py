@@ -46,7 +46,7 @@ class ExportedTexture:
 
 
 def uv_mapping(source: NodeSocket | None) -> tuple[str, np.ndarray]:
-    """The UV map that an output's texture reads ("" for the active one), and the 3x3 matrix of its Mapping node."""
+    """The UV map that the texture behind `source` reads ("" for the active one), and its Mapping node's 3x3 matrix."""
     node = plain_image(source, ("Color", "Alpha"))
     if node is not None:
         return _coordinates(node) or ("", np.eye(3))
@@ -73,7 +73,10 @@ def uv_texture(material: Material, channel: str, origin: ValueOrigin) -> Exporte
 
 
 def mean_color(scene: Scene, material: Material, origin: ValueOrigin, mask: np.ndarray) -> np.ndarray:
-    """The mean linear color (3,) of an output where `mask` (R, R) of the camera's image is true; of a plain image, of all."""
+    """The mean linear color (3,) of a material's input, where `mask` (R, R) of the camera's image is True.
+
+    A plain image is averaged as a whole; with an empty mask, so is the unit square of UVs.
+    """
     assert origin.source
     plain = plain_image(origin.source)
     image = image_colors(plain.image) if plain else None
@@ -111,7 +114,7 @@ def is_encoded_usually(image: Image | None) -> bool:
 
 
 def image_alpha(image: Image | None) -> np.ndarray | None:
-    """The alpha (H, W, 1) of an image with at most 1024 pixels a side; None if its file is missing."""
+    """The alpha (H, W, 1) of an image, at most 1024 pixels a side; (1, 1, 1) if it has none, None if it is missing."""
     if image is None or not image.size[0] or not image.size[1]:
         return None
     if image.channels < 4:
@@ -130,7 +133,10 @@ def shrink(image: np.ndarray, longest: int) -> np.ndarray:
 
 
 def plain_image(source: NodeSocket | None, outputs: tuple[str, ...] = ("Color",)) -> Node | None:
-    """The image texture node behind an output, if it lays a still, decodable image flat over a UV map; else None."""
+    """The Image Texture node behind `source`, if it lays a still, decodable image flat over a UV map; else None.
+
+    `outputs`: names of the node's outputs that `source` may come from.
+    """
     while source is not None and source.node.type == "REROUTE":
         links = active_links(source.node.inputs[0])
         source = links[0].from_socket if links else None
@@ -142,7 +148,7 @@ def plain_image(source: NodeSocket | None, outputs: tuple[str, ...] = ("Color",)
 
 
 def _coordinates(node: Node) -> tuple[str, np.ndarray] | None:
-    """The UV map ("" for the active one) and 3x3 matrix that a texture node reads; None for other coordinates."""
+    """The UV map of a texture node ("" for the active one), and its mapping matrix (3, 3); None without a UV map."""
     matrix = np.eye(3)
     links = active_links(node.inputs["Vector"])
     while links:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Camera, film, compositor and lights for the engine, as no vibe changes them; lights and backdrops that words may add."""
+"""The parts of camera, lights, film and compositor that no vibe changes; lights and backdrops that words may add."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def film_row(scene: Scene) -> dict[str, Any]:
 
 
 def white_balance(scene: Scene) -> list[list[float]]:
-    """The 3x3 matrix by which the view's white balance multiplies scene-linear colors; empty without white balance."""
+    """Rows of the 3x3 matrix by which white balance multiplies scene-linear colors; [] if it is off or not known."""
     if not scene.view_settings.use_white_balance:
         return []
     # It is fitted to a few colors that Blender saves through this white balance and the view "Raw".
@@ -157,7 +157,7 @@ def color_table(scene: Scene) -> np.ndarray | None:
     """Scene-linear colors after the compositor, (TABLE_SIZE, TABLE_SIZE, TABLE_SIZE, 3), on the scale of `_in_stops`.
 
     The axes are the input's blue, green and red, evenly spaced on the same scale from 0 to TABLE_STOPS. None if the
-    compositor leaves colors alone, and if no table can describe it: the result depends on a pixel's position or on its
+    compositor leaves colors alone, or if no table can describe it: the result depends on a pixel's position or on its
     neighbors, or the compositor reads more than the image of the first rendered view layer.
     """
     if rendered.changing_compositor(scene) is None:
@@ -196,7 +196,7 @@ def _layers(tree: NodeTree | None) -> Iterator[Node]:
 
 
 def _composited(twin: Scene, image: Image, colors: np.ndarray) -> np.ndarray:
-    """The compositor's output for `image` filled with these colors: (N, 3) like the input, one color a pixel."""
+    """The compositor's output (N, 3) for these `colors` (N, 3), which it reads from the N pixels of `image`."""
     image.pixels.foreach_set(np.insert(colors, 3, 1.0, axis=1).ravel())
     image.update()
     with viewer(twin, lambda _: None):
@@ -235,7 +235,7 @@ def light_notes(scene: Scene) -> list[str]:
 
 
 def standby_lights(analysis: SceneAnalysis) -> tuple[list[dict[str, Any]], dict[str, schema.Instance]]:
-    """Entries and parameters of lights that words may add; the lights are in the scene only during this call."""
+    """scene.json entries, and parameters by key, of lights that words may add; the scene has them during the call."""
     scene, pivot = analysis.scene, Vector(analysis.pivot)
     known = schema.added_lights.ADDED_LIGHTS
     names = [name for name in known if name not in bpy.data.objects]

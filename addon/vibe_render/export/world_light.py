@@ -21,10 +21,11 @@ _LIGHT = {"Is Diffuse Ray": 1.0, "Is Reflection Ray": 1.0, "Ray Depth": 1.0, "Di
 
 
 def pictures(world: World | None) -> tuple[np.ndarray | None, np.ndarray | None, str]:
-    """The images of what lights the scene and of what the camera sees of a world, and a note on what is approximated.
+    """The image of a world that lights the scene, the image that the camera sees, and a note ("" if exact).
 
-    They are (H, 2H, 3) float32 linear, in Blender's equirectangular mapping, not rotated; row 0 is straight down. None
-    stands for one color; the second is None, too, if the camera sees the first.
+    Images are (H, W, 3) float32 linear, in Blender's equirectangular mapping, not rotated; row 0 is straight down. A
+    single texel stands for an even image, None for one color. The second image is also None if the camera sees the
+    first.
     """
     if world is None:
         return None, None, ""
@@ -55,7 +56,7 @@ def pictures(world: World | None) -> tuple[np.ndarray | None, np.ndarray | None,
 
 
 def _backdrop(world: World) -> np.ndarray | None:
-    """The image that only the camera sees, without tint and strength; None for one color or the image of the light."""
+    """The image that only the camera sees, without tint and strength; None for one color or the lighting image."""
     single = [backgrounds.single_background(world, part) for part in (backgrounds.BACKDROP, backgrounds.LIGHT)]
     colors = [background.entry("Color") if background else None for background in single]
     seen, lights = (inputs.artists_origin(color) if color else None for color in colors)
@@ -70,7 +71,7 @@ def _backdrop(world: World) -> np.ndarray | None:
 
 
 def _mix(world: World) -> tuple[np.ndarray, np.ndarray | None]:
-    """Images of all Backgrounds as they light surfaces, and as the camera sees them (None if it cannot differ)."""
+    """Image of the mixed Backgrounds as they light surfaces, and as the camera sees them (None if it is the same)."""
     with _untinted(world) as (twin, trees):
         seen = _panorama(twin)
         paths = [node for tree in trees for node in tree.nodes if node.type == "LIGHT_PATH"]
@@ -87,7 +88,7 @@ def _mix(world: World) -> tuple[np.ndarray, np.ndarray | None]:
 
 
 def _panorama(world: World) -> np.ndarray:
-    """A world's image; a single texel if it is the same in all directions."""
+    """A world's image, (512, 1024, 3); (1, 1, 3) if it is the same in all directions."""
     with bake.empty_scene(1024, 512) as scene:
         scene.world = world
         picture = bake.bake_panorama(scene, samples=8)
@@ -104,7 +105,7 @@ def _copy(world: World) -> World:
 
 @contextmanager
 def _untinted(world: World) -> Iterator[tuple[World, list[NodeTree]]]:
-    """A temporary copy of a world and its groups, without volume and with neutral insets; yields it and its trees."""
+    """Yields a temporary copy of a world, with neutral Vibe Tints and Factors and without volume, and its trees."""
     twin = _copy(world)
     tree = twin.node_tree
     for node in [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputWorld"]:
