@@ -79,7 +79,10 @@ class Glances:
         self._proxies: dict[tuple[str, ...], Proxy] = {}
 
     def look(self, request: messages.Glance, stopped: Callable[[], bool]) -> EarlyLook | None:
-        """The first look; None if `stopped` returns True or no word is known. Raises VibeError for a bad job."""
+        """A quick result before the search; None if `stopped` returns True, or if the prompt has no known word.
+
+        Raises VibeError if the job folder cannot be read.
+        """
         options = messages.Options.from_dict(request.options)
         if self._found is None or request.job != self._job:
             self._job, self._found = request.job, load_scene(Path(request.job))

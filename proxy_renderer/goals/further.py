@@ -259,7 +259,7 @@ def _names_light_of(attribute: Attribute, compared: Attribute) -> bool:
 
 
 def _beside(claim: ClaimText) -> ClaimText:
-    """A claim for 1 to 2.5 noticeable steps in the direction of `claim.change`; a claim without `change` as it is."""
+    """The claim, now for a change of 1 to 2.5 noticeable steps in its direction; unchanged if it names no change."""
     ends = (1.0, 2.5) if (claim.change or 0.0) > 0.0 else (-2.5, -1.0)
     return replace(claim, lower=ends[:1], upper=ends[1:], change=None, by=True) if claim.change else claim
 

@@ -23,7 +23,7 @@ from .types import LEFT_ALONE, LightPlan, Plan, PlanEntry
 
 @dataclass(frozen=True)
 class WishedRange:
-    """The range that a wish asks for of one parameter."""
+    """The range of one parameter's values that a wish asks for."""
 
     key: str  # of the parameter
     lower: Values

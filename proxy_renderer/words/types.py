@@ -146,7 +146,7 @@ class Attribute:
 
     @property
     def part(self) -> Part:
-        """The part of the image that it describes."""
+        """The part of the image that the word describes: the sky, the subject, or all of it."""
         if self.kind == "sky":
             return "sky"
         return "picture" if self.region == "whole" else self.region

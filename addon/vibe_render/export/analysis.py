@@ -88,7 +88,10 @@ def check_scene(scene: Scene) -> None:
 
 
 def capture(scene: Scene) -> SceneCapture:
-    """Copies what a render of the scene shows; changes only unreadable names. Raises VibeError without a usable camera."""
+    """A copy of what a render of the scene shows. Renames data whose names are no valid text, and changes nothing else.
+
+    Raises VibeError without a usable camera.
+    """
     if scene.camera is None:
         raise schema.VibeError("The scene has no camera.", "Add one, and aim it at the subject.")
     check_scene(scene)

@@ -15,7 +15,7 @@ _SHOWN = 8  # most changes that are listed
 
 
 def light_rows(file: str, layers: Sequence[LightLayer]) -> dict[str, dict[str, list[str]]]:
-    """File name -> pass name -> names of its lights, for a file of light layers (report.json); empty without any."""
+    """Entry of report.json for a `file` of light layers: file name -> pass -> names of its lights; {} without layers."""
     rows = {PASS + layer.name: [member.name for member in layer.members] for layer in layers}
     return {file: rows} if rows else {}
 

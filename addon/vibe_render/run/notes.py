@@ -11,7 +11,7 @@ _MOST = 4  # most frames that a search takes in addition to its own
 
 @dataclass(frozen=True)
 class CheckedFrame:
-    """A frame at which a look was checked."""
+    """A frame that was rendered to check that the words of a look are visible there, too."""
 
     frame: int
     # words that are visible at the frame where the look was found, and not at this one

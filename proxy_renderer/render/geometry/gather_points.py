@@ -173,9 +173,9 @@ class _Places(PointSet):
 
 
 def _best(gather_points: _Places, points: _Places, among: Tensor, nearest: int, width: float) -> tuple[Tensor, Tensor]:
-    """Indices (N, nearest) of the gather points that fit each of N points best, and their weights (N, nearest).
+    """Indices (N, nearest) of the gather points nearest to N points in place and normal, and weights (N, nearest).
 
-    `among` (C, N) has the indices of C candidates for each point, -1 for none. A weight is almost 0 at `width` cells.
+    `among` (C, N) has the indices of C candidates for each point, -1 for none. At `width` grid cells away a weight is almost 0.
     """
     index = among.clamp_min(0)
 

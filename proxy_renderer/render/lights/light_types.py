@@ -62,7 +62,7 @@ class PointLight(LightSource):
         return DirectIrradiance(toward, distance, frontal * cosine.clamp_min(0.0), frontal, solid)
 
     def directivity(self, toward: Vectors, radius: Numbers | None = None) -> Numbers:
-        """Intensity (N,) in the directions -`toward`, relative to an even light; `toward` (3, N) points to the light.
+        """Intensity (N,) toward N points, relative to an isotropic light; `toward` (3, N) are directions to the light.
 
         `radius` (N,) is the light's radius over its distance; None for a small light.
         """

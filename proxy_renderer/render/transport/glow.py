@@ -100,9 +100,9 @@ class _Search:
         self._seen *= self._geometry.stopping(self._geometry.surface(self._targets, self._toward), self._toward)
 
     def shares(self, directions: Callable[[Tensor], Tensor], density: Callable[[Tensor], Tensor]) -> Tensor:
-        """Shares (A, M) of a lobe that each material's glow fills.
+        """Shares (A, M) of the lobes at A points that the glow of each of M materials fills.
 
-        `directions` maps (2, A, R) in [0, 1) to rays (3, A * R) of the lobe, `density` maps rays to a density (A * R).
+        `directions` maps uniform samples (2, A, R), R for each lobe, to unit directions (3, A * R), `density` to their density.
         """
         if self._targets is None:
             return torch.zeros((self._origin.shape[1], len(self._geometry.glass)), device=self._origin.device)

@@ -130,7 +130,7 @@ class RigTable:
     luminaries: frozenset[str] = frozenset()  # words in names of times and hours that are lights
 
     def modifier(self, entry: str) -> Modifier | None:
-        """The changes that an entry makes to lights, also one such as "3200 kelvin"; None if it changes nothing."""
+        """The changes to lights that a vocabulary entry or a color temperature, "3200 kelvin", stands for; None if none."""
         kelvin = temperature(entry)
         return Modifier(kelvin=kelvin) if kelvin else self.modifiers.get(entry)
 
