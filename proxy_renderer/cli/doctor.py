@@ -69,7 +69,6 @@ def _blender(config: list[str]) -> str:
 
 
 def _imported(what: str, remedy: str, *names: str) -> ModuleType:
-    """Imports the modules `names` and returns the last; if one fails, raises VibeError on `what`, with `remedy`."""
     try:
         return [importlib.import_module(name) for name in names][-1]
     except (ImportError, OSError) as error:

@@ -29,7 +29,6 @@ def _add_scene(parser: argparse.ArgumentParser, optional: bool = False) -> None:
 
 
 def _add_out(parser: argparse.ArgumentParser, help: str, default: str = "") -> None:
-    """Adds `--out`, which is required if there is no default."""
     given = Path(default) if default else None
     parser.add_argument("--out", required=not default, default=given, type=Path, metavar="DIR", help=help)
 

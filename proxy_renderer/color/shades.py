@@ -119,7 +119,6 @@ def mixable(one: Values, other: Values) -> bool:
 
 
 def _polar(srgb: Values) -> tuple[float, float, float]:
-    """OKLab lightness, chroma, and hue in degrees, [0, 360), of an sRGB color."""
     light, a, b = oklab_from_srgb(srgb)
     return light, math.hypot(a, b), math.degrees(math.atan2(b, a)) % 360
 

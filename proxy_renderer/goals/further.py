@@ -236,7 +236,6 @@ def _color_of(attribute: Attribute, scene: SceneDescription) -> Values | None:
 
 
 def _mixed(present: Values, named: Values, share: float) -> Values:
-    """`present`, moved in OKLab by `share` of the way to `named`, its lightness by half of that; colors are sRGB."""
     rows = zip(oklab_from_srgb(present), oklab_from_srgb(named), (0.5 * share, share, share), strict=True)
     light, a, b = (v + part * (w - v) for v, w, part in rows)
     return srgb_from_oklab((light, a, b))

@@ -191,7 +191,6 @@ class ShotState:
         return KnownPicture(self.scene, self.vector.values(self.anchor.u), self.anchor.picture)
 
     def _with(self, anchor: AnchorState, vector: ParameterVector | None = None) -> ShotState:
-        """The shot with another anchor or vector, and empty caches."""
         return replace(self, anchor=anchor, vector=vector or self.vector, _last=None, _seen_at=None)
 
     def gbuffer(self, u: Tensor) -> GBuffer:

@@ -70,7 +70,6 @@ def set_stage(
     Args:
         scenes: The shots. The first decides on lights for all; a backdrop is added to all shots or to none.
         prompt: The words; with `goes_on` a further sentence, whose goals are relative to the present image.
-        new_lights: True if lights may be added.
         target: "WORD=NAME" each: the object, material or light in the scene that a word means, as "copper=Cup".
         written: Goals that replace those of the prompt.
 

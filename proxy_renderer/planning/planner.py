@@ -252,14 +252,12 @@ class _Planner:
         return WorldLook(tuple(v * level for v in self.agreed.value(tint)), level) if tint else WorldLook()
 
     def _own_color(self, owner: str) -> tuple[float, ...]:
-        """The sRGB color that words give the subject, or else the present one of a material, `owner`; else white."""
         named = (a.color for a in self.parsed.attributes if a.kind == "subject" and a.color and not a.negated)
         found = (self.instances.get(f"material/{owner}/{name}") for name in ("base_color", "tint"))
         own = (srgb_from_linear(self.agreed.value(i)) for i in found if i)
         return next(named, None) or next(own, (1.0, 1.0, 1.0))
 
     def _glow(self, owner: str) -> float:
-        """The artist's emission of a material, times the largest component of its color; 0 without one."""
         strength, color = (self.instances.get(f"material/{owner}/{n}") for n in ("emission", "emission_color"))
         return strength.value[0] * max(color.value) if strength and color else 0.0
 

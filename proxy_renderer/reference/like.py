@@ -161,7 +161,6 @@ _TABLES = tomllib.loads(Path(__file__).with_name("like.toml").read_text("utf-8")
 
 
 def _effects(table: str) -> dict[str, Effect]:
-    """Parameter family -> the effect that an image may have on it, from a table of `like.toml`."""
     return {effect.family: effect for effect in map(parse_effect, _TABLES[table])}
 
 

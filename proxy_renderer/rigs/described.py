@@ -183,7 +183,6 @@ def _template(light: DescribedLight, base: RigLight | None, key: RigLight | None
 
 
 def _places(said: Iterable[Attribute], table: RigTable) -> list[tuple[str, Modifier]]:
-    """(entry, modifier) of each word that gives a light a direction."""
     found = [(a.entry, table.modifier(a.entry)) for a in said if not (a.negated or a.color)]
     return [(entry, m) for entry, m in found if m and "direction" in m.aspects]
 

@@ -106,7 +106,6 @@ def shared_names(light: RigLight, own: Light) -> set[str]:
 
 
 def _playable(stage: LightStage, taken: set[str]) -> list[Light]:
-    """The lights of the scene that may be changed and play no part yet: names in `taken` do."""
     free = {i.owner for i in stage.scene.instances.values() if i.parameter.family in BRIGHTNESS and not i.locked}
     return [x for x in stage.scene.lights if not x.fixed and x.name in free - taken]
 
@@ -117,7 +116,6 @@ def _angles(own: Light, scene: SceneData) -> tuple[float, float]:
 
 
 def _as_it_stands(light: RigLight, own: Light, stage: LightStage) -> Placed:
-    """A light of the scene, `own`, where it is, in the part of a rig's `light`."""
     distance = stage.scene.value(f"light/{own.name}/distance", 0.0)[0]
     return Placed(light, own.name, own.type, True, *_angles(own, stage.scene), distance)
 

@@ -16,7 +16,6 @@ _TABLES = tomllib.loads(Path(__file__).with_name("sentences.toml").read_text(enc
 
 
 def _pattern(text: str) -> re.Pattern[str]:
-    """Compiles a pattern of sentences.toml, with the parts in braces filled in, ignoring case."""
     for name, part in reversed(_TABLES["parts"].items()):  # a part may contain parts from above it
         text = text.replace(f"{{{name}}}", part)
     return re.compile(text, re.I)
@@ -192,7 +191,6 @@ def _compared(comparative: str, found: re.Match[str]) -> str:
 
 
 def _rewritten(text: str, table: Iterable[tuple[re.Pattern[str], str]]) -> str:
-    """A text after the replacements of a table in their order; a row has a pattern, and the words for its matches."""
     for pattern, words in table:
         text = " ".join(pattern.sub(words, text).split())
     return text

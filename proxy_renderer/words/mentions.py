@@ -257,7 +257,6 @@ class OwnNouns:
         return NounMention(place, place, item.text, item.noun or "unknown") if is_noun else None
 
     def _is_a_noun(self, noun: NounMention) -> bool:
-        """True if a word is surely a noun, by its meaning or by an article before it."""
         listed = singular(noun.text) in thing_words()
         return bool(noun.named) or noun.noun != "unknown" or listed or self._led(noun.start)
 

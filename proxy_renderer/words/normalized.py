@@ -163,7 +163,6 @@ def _kept(text: str, scene: SceneDescription, vocabulary: Vocabulary) -> Iterato
 
 
 def _bare(noun: str, vocabulary: Vocabulary) -> str:
-    """A noun, normalized, without articles."""
     fillers = vocabulary.lists["stop"] | vocabulary.lists["definite"]
     return " ".join(word for word in normalize(noun).split() if word not in fillers)
 

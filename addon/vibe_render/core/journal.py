@@ -110,7 +110,6 @@ class Journal:
         return [(entry, block, curve) for entry, block in blocks if (curve := _curve(block, entry))]
 
     def _note(self, op: str, struct: bpy_struct, **rest: Any) -> None:
-        """Adds an entry about a data-block, or about a struct in one; `rest`: the entry's further fields."""
         block, path = address(struct)
         self.entries.append({"op": op, "id": self.refer(block), "path": path, **rest})
 

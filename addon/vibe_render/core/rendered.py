@@ -50,7 +50,6 @@ def shown(scene: Scene) -> set[Object]:
 
 
 def _enabled(collection: Collection) -> Iterator[Collection]:
-    """A collection and those inside it that are not disabled in renders."""
     if not collection.hide_render:
         yield collection
         for child in collection.children:

@@ -187,7 +187,6 @@ def _render(twin: Scene, channels: Sequence[str], samples: int) -> dict[str, np.
 
 
 def _added(stack: ExitStack, tree: NodeTree, kind: str) -> Node:
-    """A new node of type "ShaderNode" + `kind`, which `stack` removes when it closes."""
     node = tree.nodes.new(f"ShaderNode{kind}")
     stack.callback(tree.nodes.remove, node)
     return node

@@ -83,7 +83,6 @@ def prepare_and_read(scene: Scene, choice: SubjectChoice) -> SceneReading:
 
 @contextmanager
 def _prepared(scene: Scene, choice: SubjectChoice) -> Iterator[SceneAnalysis]:
-    """Adds missing parts (see `prepare_scene`) and yields the analysis; a failure in the block undoes the additions."""
     with snapshot.rollback_on_failure(scene):
         prepare_and_snapshot(scene, choice)
         yield analyze(scene, choice)

@@ -89,7 +89,6 @@ def _switch_off() -> None:
 
 
 def _set_fluids(shown: bool) -> None:
-    """Gives the fluids in `_fluids` the visibility that the artist set, if `shown`, or else switches them off."""
     for name, modifier_name, viewport, renders in _fluids:
         obj = bpy.data.objects.get(name)
         if obj and (modifier := obj.modifiers.get(modifier_name)):

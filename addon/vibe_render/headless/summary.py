@@ -46,7 +46,6 @@ def measurements(measured: Sequence[messages.Finished]) -> dict[str, Any]:
 
 
 def _mean(rows: Sequence[dict[str, float]]) -> dict[str, float]:
-    """Key -> mean of its values in `rows`, for the keys that all rows have."""
     keys = [key for key in rows[0] if all(key in row for row in rows)]
     return {key: round(sum(row[key] for row in rows) / len(rows), 4) for key in keys}
 

@@ -117,14 +117,12 @@ class HeadlessVibe(Driver):
         }
 
     def _blend_of(self, number: int) -> str:
-        """The name of the .blend that a shot is saved in: its own with `--grade-each`, else its scene's."""
         scenes = list(dict.fromkeys(self._args.scenes))
         return numbered(
             "vibed.blend", number if self._args.grade_each else scenes.index(self._shots.shots[number].scene)
         )
 
     def _lap(self, name: str) -> None:
-        """Adds the seconds since the last call to the duration of the stage `name`."""
         now = time.monotonic()
         self._seconds[name] = round(self._seconds.get(name, 0.0) + now - self._last_lap, 2)
         self._last_lap = now

@@ -153,7 +153,6 @@ class Driver:
         return answer
 
     def _check(self) -> None:
-        """Ends the engine and raises VibeError if the engine has been silent for longer than `patience`."""
         if self.silence > self.patience:
             self._engine.stop(patience=0.02)
             problem = f"The engine has said nothing for {self.patience / 60:.0f} minutes, and was ended."

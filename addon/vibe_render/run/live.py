@@ -93,7 +93,6 @@ class Live(SceneSession):
         self.discard()
 
     def _pause(self) -> None:
-        """Gives up the look that the engine is working on."""
         self._steps.close()
         self._steps, self.stage, self._due = self._run(), "", 0.0
         self._give_up()

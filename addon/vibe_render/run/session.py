@@ -77,7 +77,6 @@ class SceneSession(Driver):
             self._show(self.look)
 
     def _show(self, look: messages.LookSoFar) -> None:
-        """Shows a look in the scene, unless its values are shown already."""
         if look.values != self._shown:
             scene, self._shown = self._find_scene(), look.values
             preview.show(scene, look.values, self.subject(scene), self._pivot)

@@ -71,7 +71,6 @@ def release(scene: Scene) -> None:
 
 
 def _present(block: Any, curve: FCurve) -> float:
-    """The present value of the property that a muted curve animates."""
     path, _, name = curve.data_path.rpartition(".")
     value = getattr(resolve(block, path), name)
     return float(value[curve.array_index] if hasattr(value, "__len__") else value)

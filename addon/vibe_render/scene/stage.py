@@ -154,7 +154,6 @@ def build_demo() -> Scene:
 
 
 def _empty_scene() -> Scene:
-    """Opens a new, empty file; returns its scene, with a square image of 1024 pixels."""
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True, load_ui=False)
     scene = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = 1024

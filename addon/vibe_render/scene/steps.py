@@ -217,7 +217,6 @@ class Steps:
         return Change(self, {}, title, title)  # the scene had it before, or a look: "peachy, not pink"
 
     def _last(self) -> int:
-        """The index of the last shown step that is on and has words. Raises VibeError where there is none."""
         places = [n for n, step in enumerate(self.steps[: self.shown]) if step.on and step.sentence not in WORDLESS]
         if not places:
             raise schema.VibeError("There is no step before this one.", 'Say what is to change: "warmer".')

@@ -107,7 +107,6 @@ def version(choice: str) -> str:
 
 
 def _answer_of(future: Future) -> tuple:
-    """(The result of finished work, None), or (None, the VibeError to show)."""
     try:
         return future.result(), None
     except Exception as error:  # a panel shows errors of any kind

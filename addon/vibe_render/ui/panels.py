@@ -56,7 +56,6 @@ class MainPanel:
 
 
 def _panel(name: str, label: str, base: type, parent: str = "") -> type:
-    """A panel class for the tab "Vibe", drawn as `base` does; inside the panel named `parent`, unless that is ""."""
     names = {"bl_label": label, "bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Vibe"}
     names |= {"__module__": __name__, "__doc__": base.__doc__ or ""}
     names |= {"bl_parent_id": f"VIBE_PT_{parent}"} if parent else {}

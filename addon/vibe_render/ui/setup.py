@@ -70,7 +70,6 @@ class VibePreferences(bpy.types.AddonPreferences):
         column.separator()
         column.prop(self, "device")
         column.prop(self, "encoder", placeholder="The one that comes with it")
-        # The model and the cache.
         column = _section(self.layout, "Vision-Language Model (optional)", "OUTLINER_OB_IMAGE")
         column.prop(self, "vlm_model", placeholder="None: the offline planner reads the words")
         column.prop(self, "vlm_url", placeholder="https://api.openai.com/v1")

@@ -79,7 +79,6 @@ class VIBE_OT_reading(Operator, label="Reading of a Word", options={"INTERNAL"})
         return {"FINISHED"} if word else {"CANCELLED"}
 
     def _word(self) -> messages.WordReading | None:
-        """The newest reading of the word; None if the prompt no longer has it."""
         return next((word for word in addon_state.readings.newest.words if word.key == self.key), None)
 
     def _draw(self, menu: bpy.types.Menu, context: bpy.types.Context) -> None:

@@ -132,7 +132,6 @@ def colorfulness(picture: MeasuredPicture, where: Tensor) -> Tensor:
 
 
 def _chroma_of(picture: MeasuredPicture, where: Tensor) -> Tensor:
-    """C* (n,) of each pixel of a region."""
     return (picture.lab[..., 1:][where].square().sum(-1) + 1e-4).sqrt()
 
 

@@ -52,7 +52,6 @@ def radiance(
     cache, view_samples, sky = frame.cache, frame.view_samples, frame.sky
     gathered = cache.indirect.following(gathered, table, frame.sources)
     irradiance = gathered.irradiance
-    # Lights without power are left out.
     shining = [pair for pair in zip(frame.lamps, direct_lights, strict=True) if pair[0].shines]
     pictured = [pair for pair in shining if pair[0].pictured]
     bare = [pair for pair in shining if not pair[0].pictured]

@@ -241,7 +241,6 @@ def _color(text: str) -> str:
 
 
 def _check(what: str, values: Iterable[str], known: Sequence[str]) -> None:
-    """Raises VibeError, which calls it a `what`, for a value that is not among the `known`."""
     for value in values:
         if value not in known:
             raise VibeError(f"'{value}' is no {what}.", f"Use one of: {', '.join(filter(None, known))}.")

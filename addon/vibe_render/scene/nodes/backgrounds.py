@@ -74,7 +74,6 @@ def layers_of_part(world: World | None, part: str) -> list[Layer]:
 
 
 def _weighs(side: MixSide) -> bool:
-    """True if the factor of a Mix Shader is a weight, and not the Is Camera Ray output."""
     source = resolve(side.factor).source
     return not (source and source.node.type == "LIGHT_PATH" and source.name == "Is Camera Ray")
 

@@ -62,7 +62,6 @@ def flatten(light: Light) -> None:
 
 
 def _origin(light: Light, name: str) -> ValueOrigin | None:
-    """The origin of the input `name` of the Emission node behind a light's output; None without such a node."""
     given = _emission(light)
     return resolve(NodeEntry(given[0].node.inputs[name], given[1])) if given else None
 
