@@ -139,6 +139,9 @@ class _Build:
             # more about the sun of an hour: "early morning, low golden sun"
             self.rig = replace(self.rig, lights=(*other.lights[:1], *self.rig.lights[1:]))
             asked = ("key",), ("color",)
+        elif self.first.has_dark_sky and other.is_overcast:  # the air of a weather by night
+            self.rig = replace(self.rig, air=max(self.rig.air or 0.0, other.air or 0.0) or None)
+            asked = ("key",), ("rest",)
         elif other.kind in TIMES and self.first.kind not in ("time", "hour"):
             self.rig, asked = at_an_hour(self.rig, other), (("key",), ("rest",))
         elif other.kind in _STYLED.get(self.first.kind, ()):
@@ -299,8 +302,18 @@ def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
     graded = {a.word for a in said if a.grades}
     every = [a for a in said if a.entry in table.rigs and not (a.negated or a.color or a.grades)]
     every = [a for a in every if not (table.rigs[a.entry].adds or a.cause in graded)]
-    # words of the prompt come before those that a mood stands for; then the kind of the rig decides
-    every.sort(key=lambda a: (bool(a.cause), KINDS.index(table.rigs[a.entry].kind)))
+    rigs = {a.entry: table.rigs[a.entry] for a in every}
+    night = any(rig.kind in TIMES and rig.has_dark_sky for rig in rigs.values())
+
+    def rank(attribute: Attribute) -> tuple[bool, bool, int]:
+        """Words of the prompt come before those that a mood stands for; then the kind of the rig decides.
+
+        At night a weather without a sun comes last: "rainy midnight" is lit as the midnight.
+        """
+        rig = rigs[attribute.entry]
+        return bool(attribute.cause), night and rig.is_overcast, KINDS.index(rig.kind)
+
+    every.sort(key=rank)
     # A word that can also change a setup, such as "backlit", counts only if there is no other.
     return [a for a in every if a.entry not in table.modifiers] or every[:1]
 

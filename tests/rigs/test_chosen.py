@@ -166,3 +166,8 @@ def test_what_glows_and_is_no_lamp_adds_no_light():
     assert found
     assert not any(light.worn for light in found.rig.lights)
     assert _chosen("the table lamp is green") is None
+
+
+@pytest.mark.parametrize("prompt", ["rainy midnight", "overcast night"])
+def test_a_weather_by_night_is_lit_as_the_night(prompt):
+    assert _chosen(prompt).rig.has_dark_sky

@@ -81,6 +81,11 @@ class Rig:
         return self.sky is not None and self.sky <= _DARK_SKY
 
     @property
+    def is_overcast(self) -> bool:
+        """True if it is a weather by day without a sun, as rain."""
+        return self.kind in TIMES and not self.has_dark_sky and self.lights[0].type != "SUN"
+
+    @property
     def keeps_own_light(self) -> bool:
         """True if the scene stays lit as it is, and lights are only added to that."""
         return self.own == 0.0 and all(light.part != "key" for light in self.lights)
