@@ -52,9 +52,12 @@ def further(
     named = {a.owners for a in attributes if a.slot in ("color", "material") and a not in compared and not a.cause}
     # the word that the factor belongs to: "red" of "half as red, more contrast"
     first = next((a for a in compared if text.startswith(a.word)), None)
-    said, wishes, notes = list[Attribute](), list[Wish](), list(goals.parsed.notes)
+    said, wishes, notes, left_out = list[Attribute](), list[Wish](), list(goals.parsed.notes), set[str]()
     for original, attribute in zip(originals, attributes, strict=True):
+        if original.cause in left_out:
+            continue
         if why := _why_not(attribute, goals):
+            left_out.add(attribute.word)
             notes.append(f"'{attribute.word}' is not used: {why}.")
             continue
         mine = [replace(wish, attribute=attribute) for wish in every if wish.attribute is original]
@@ -84,16 +87,21 @@ def _why_not(attribute: Attribute, goals: Goals) -> str:
         return "the sentence does not name what there is to be more or less of"
     if attribute.word in _SIDES:  # "front" of "front car" is no light
         return "it names no light: write 'light from the front'"
-    if attribute in _places(goals):
+    places, word, text = _places(goals), attribute.word.lower(), goals.parsed.prompt.lower()
+    of_place = attribute.slot == "mood" and any(f"{word} {place.word}" in text for place in places)  # "the snowy peaks"
+    if attribute in places or of_place:
         return "it says where in the image, not how it is to look"
     if attribute.owners or attribute.lights or attribute.role:
         return ""
     if goals.parsed.undone:
         return "it is of something that would have to be added"
     unnamed = attribute.kind == "subject" and attribute.thing.lower() not in goals.parsed.prompt.lower()
-    absent = _absent(goals)
-    text = goals.parsed.prompt.lower()
-    of_absent = any(f"{noun} {attribute.word.lower()}" in text for noun in absent)  # "the pot warmer"
+    # nouns that name nothing known: "screens" in "let the screens glow"
+    unread = [noun for noun in goals.parsed.ignored if re.search(_NOUN.format(noun), text)]
+    things = [noun for noun in goals.parsed.ignored if thing_words().get(noun)]
+    absent = [*unread, *things, *(place.word for place in places), *goals.parsed.absent]
+    # "the pot warmer", "fade the pale blotches"
+    of_absent = any(f"{n} {word}" in text or f"{word} {n}" in text for n in unread) or text.startswith(f"{word} the ")
     needs_noun = unnamed or of_absent or attribute.word.split()[-1] in _OF_SOMETHING
     return f"there is no '{absent[0]}' in the scene" if absent and needs_noun else ""
 
@@ -101,19 +109,14 @@ def _why_not(attribute: Attribute, goals: Goals) -> str:
 def _places(goals: Goals) -> list[Attribute]:
     """The words that only name a place in the image: "trees" in "between the trees", "rock" in "green on the rock"."""
     text = goals.parsed.prompt.lower()
-    settings = (a for a in goals.parsed.attributes if a.slot == "setting" and f"the {a.word.split()[-1]}" in text)
+    settings = (
+        a for a in goals.parsed.attributes if a.slot == "setting" and re.search(_NOUN.format(a.word.split()[-1]), text)
+    )
     nouns = {noun.lower() for noun in _OF.findall(text)}
     return [
         *settings,
         *(a for a in goals.parsed.attributes if a.slot == "material" and not a.owners and a.word in nouns),
     ]
-
-
-def _absent(goals: Goals) -> list[str]:
-    """Nouns that name nothing in the scene ("screens" in "let the screens glow"), then the words of `_places`."""
-    text = goals.parsed.prompt.lower()
-    unread = [noun for noun in goals.parsed.ignored if thing_words().get(noun) or re.search(_NOUN.format(noun), text)]
-    return [*unread, *(a.word for a in _places(goals)), *goals.parsed.absent]
 
 
 def _fixture(attribute: Attribute, scene: SceneDescription) -> tuple[str, ...]:
@@ -302,11 +305,12 @@ def _compared(attribute: Attribute, vocabulary: Vocabulary, factor: float, noun:
 def _around(effect: Effect, noticed: float, way: float) -> Effect:
     """An effect that lets the parameter of `effect` move around its present value, by `_REACH` for each step.
 
-    Sizes of lights move only along the sign of `noticed` (steps of the measure), finishes only along that of `way`
-    (steps of the word).
+    Sizes of lights and finishes move only in the direction of the word, which is `way` steps of `noticed` in the measure.
     """
-    reach = _REACH * abs(noticed) / _NOTICED
-    towards = noticed if effect.name in ("size", "angle") else way * _finish_direction(effect)
+    of_size = effect.name in ("size", "angle")
+    reach = (3.0 if of_size else 1.0) * _REACH * abs(noticed) / _NOTICED  # shadows soften slowly
+    larger = sum(effect.lower + effect.upper) > 2.0 * FAMILIES[effect.family].default
+    towards = way * ((1.0 if larger else -1.0) if of_size else _finish_direction(effect))
     down, up = (0.0 if towards > 0.0 else reach), (0.0 if towards < 0.0 else reach)
     return Effect(effect.owner, effect.name, "near", (-down,), (up,), priority=1)
 

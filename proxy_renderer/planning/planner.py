@@ -277,11 +277,13 @@ class _Planner:
         lower, upper = clip(settled.lower, settled.upper, instance)
         winners = settled.winners
         start = winners[0].start and within(winners[0].start, lower, upper)
-        moved = not math.isclose(instance.value[0], within(instance.value, lower, upper)[0], rel_tol=1e-6)
-        if instance.parameter.name in ("size", "angle") and moved:
+        value, (low, *_), (high, *_) = instance.value[0], lower, upper
+        relative = any(claim.by for claim in winners[0].wish.claims)  # "softer" begins at an end of its range
+        moved = value < 0.999999 * low or value > 1.000001 * high
+        if instance.parameter.name in ("size", "angle") and (moved or relative):
             # well inside the range, on a log scale: shadow edges give weak gradients
-            near, far = (lower, upper) if instance.value < lower else (upper, lower)
-            start = (near[0] ** 0.25 * far[0] ** 0.75,)
+            near, far = (low, high) if value - low < high - value else (high, low)
+            start = (max(near, 0.01 * far) ** 0.25 * max(far, 0.01 * near) ** 0.75,)
         elif instance.key == _FOG and instance.value < lower:  # at the low end hardly any fog is visible
             start = (math.sqrt(lower[0] * upper[0]),)
         most, reason = min(d.priority for d in winners), "; ".join(dict.fromkeys(d.reason for d in winners))

@@ -217,4 +217,4 @@ def _wish(text: str) -> str:
 def _with_noun(text: str, noun: str) -> str:
     """A text with a noun in the place of its first pronoun."""
     noun = noun if noun.startswith("the ") else f"the {noun}"
-    return re.sub(r"\b(?:it|(?:them|that)(?! \w*(?:er|s)\b))\b", noun, text, count=1, flags=re.I)
+    return re.sub(r"\b(?:it|them|that(?! \w*(?:er|s)\b))\b", noun, text, count=1, flags=re.I)

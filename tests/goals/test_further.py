@@ -301,3 +301,18 @@ def test_a_lamp_a_bit_cooler_is_one_step_cooler(kelvins):
 
 def test_a_named_color_wins_over_less_of_the_present_one():
     assert {wish.word for wish in step("vase less yellow, more like rose gold").wishes} == {"rose gold"}
+
+
+@pytest.mark.parametrize(
+    ("sentence", "sign"), [("softer shadows", 1.0), ("soften that shadow", 1.0), ("harder light", -1.0)]
+)
+def test_lights_grow_for_softer_shadows_and_shrink_for_harder_ones(sentence, sign):
+    sizes = [e for wish in step(sentence).wishes for e in wish.effects if e.name in ("size", "angle")]
+    assert sizes
+    assert all(sign * (e.lower[0] + e.upper[0]) > 0.0 and e.lower[0] * e.upper[0] == 0.0 for e in sizes)
+
+
+def test_verbs_and_places_of_a_sentence_are_no_looks():
+    assert not step("fade the pale blotches at the bottom").wishes
+    assert {wish.word for wish in step("let the snowy peaks catch some pink light").wishes} == {"slightly pink"}
+    assert "dark purple" in {wish.word for wish in step("I'd rather have the wall dark purple, not red").wishes}
