@@ -81,6 +81,14 @@ def test_a_word_is_taken_back_by_its_name(steps):
     assert steps.change("without the smoke").sentence == "without the smoke"  # of the scene itself
 
 
+def test_what_several_steps_have_changed_is_taken_back_to_before_the_first(steps):
+    stronger = goals(("stronger", "", "vignette", []))
+    steps.add(
+        Change(steps, title="vignette stronger"), steps.values(), {VIGNETTE: [0.8]}, {VIGNETTE: "'stronger'"}, stronger
+    )
+    assert steps.change("without the vignette").values == {VIGNETTE: [0.0]}
+
+
 def test_a_correction_takes_the_word_to_another_target(steps):
     change = steps.change("no, the floor, not the wall")
     assert change.values == {COLOR: [0.5, 0.5, 0.5]}

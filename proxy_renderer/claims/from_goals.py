@@ -192,8 +192,12 @@ def _held(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
     relit = goals.shown or any(w.attribute.role in ("rim", "fill") for w in goals.wishes)
     kinds = {c: quantities().measures.get(c.measure, "") for c in claims}
     whole = {kind for c, kind in kinds.items() if c.part == "picture" and not c.materials}
-    if relit or "haze" in kinds.values():
-        return  # new light and air change the whole image
+    cells = [(x / 6, y / 4, (x + 1) / 6, (y + 1) / 4) for x, y in product(range(6), range(4))]
+    if relit and all(w.attribute.role == "rim" for w in goals.wishes):  # an edge light does not flood what is around
+        yield from (_still("surroundings", _STILL, box=cell, weight=0.3) for cell in cells)
+        return
+    if relit or not {"haze", "direction"}.isdisjoint(kinds.values()):
+        return  # new or turned light and air change the whole image
     if any(not e.family.startswith("material/") for w in acting for e in w.effects):
         return  # an effect that no measure covers may change any place
     light, color = "brightness" in whole, not whole.isdisjoint(("light_color", "cast", "saturation", "color"))
@@ -208,8 +212,8 @@ def _held(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
     apart = [(c.part, c.materials) for c in claims if c.part != "picture" or c.materials]
     apart += [("picture", w.attribute.owners) for w in acting if w.attribute.owners]
     place = {"weight": 0.3, "apart": tuple(dict.fromkeys(apart))}
-    for x, y in product(range(6), range(4)):
-        yield _still("picture", width, measure, box=(x / 6, y / 4, (x + 1) / 6, (y + 1) / 4), **place)
+    for cell in cells:
+        yield _still("picture", width, measure, box=cell, **place)
 
 
 def _still(part: Part, width: Values, measure: str = "mean", **where: Any) -> Claim:

@@ -124,18 +124,19 @@ def _fixture(attribute: Attribute, scene: SceneDescription) -> tuple[str, ...]:
 
     () if the word is about a role of lights, about the sky, or about no light with that name.
     """
-    noun = {singular(word) for word in attribute.thing.lower().split()}
+    noun = {attribute.role} if attribute.role else {singular(word) for word in attribute.thing.lower().split()}
 
     def is_called_so(name: str) -> bool:
         return bool(noun) and noun <= {singular(word) for word in re.split(r"[\W_\d]+", name.lower())}
 
     lights = [name for name in scene.lights if is_called_so(name)]
-    if attribute.role or attribute.kind == "sky" or not (attribute.lights or lights):
+    if attribute.kind == "sky" or not (attribute.lights or lights):
         return ()
     glows = [
         GLOW + name for name in scene.glows if name in scene.looks and any(map(is_called_so, scene.looks[name].worn))
     ]
-    return tuple(dict.fromkeys((*attribute.lights, *lights, *glows)))
+    found = dict.fromkeys((*attribute.lights, *lights, *glows))
+    return tuple(sorted(found, key=lambda name: name not in scene.lights or scene.lights[name].role != "key"))
 
 
 def _as_light(attribute: Attribute, lights: tuple[str, ...], vocabulary: Vocabulary) -> Attribute:

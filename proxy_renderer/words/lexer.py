@@ -154,6 +154,8 @@ class Lexer:
             return False
         if whole in self.names and v.slot(first) != "material":  # "leather seat" is of leather all the same
             return False
+        if v.nouns.get(whole) in ("rim", "fill"):  # "rim light" is one noun, though the scene has a rim and a light
+            return False
         looks = first in v.colors or (first in v.shades and whole not in v.synonyms)
         may_be_thing = last not in v.colors and (last not in v.synonyms or looks)
         return may_be_thing and self._phrase(first).known

@@ -111,7 +111,8 @@ class _NounFinder:
             named = [n for n in named if n.signs != {"light exact"}]
         of_light = any_light and not plural and self.vocabulary.nouns.get(last[0]) == "light"
         if of_a_role or of_light:  # a "blue rim" is of light, though glasses have rims; and no light is a "Tail Light"
-            named = [n for n in named if n.kind == "lights"] or self._surely(named)
+            is_light = any(i.text in self.vocabulary.lists["anylight"] for i in self.items[start + 1 : start + 2])
+            named = [n for n in named if n.kind == "lights"] or ([] if is_light else self._surely(named))
         return self._surely(named) if token.filler and not token.noun else named  # "the" is no French tea
 
     def _is_of_the_next(self, start: int) -> bool:

@@ -316,3 +316,25 @@ def test_verbs_and_places_of_a_sentence_are_no_looks():
     assert not step("fade the pale blotches at the bottom").wishes
     assert {wish.word for wish in step("let the snowy peaks catch some pink light").wishes} == {"slightly pink"}
     assert "dark purple" in {wish.word for wish in step("I'd rather have the wall dark purple, not red").wishes}
+
+
+def test_a_rim_light_is_a_light_though_the_scene_has_a_rim():
+    lights = {"Vibe Rim": LightDescription("AREA", "fill"), "Key": LightDescription("AREA", "key")}
+    scene = SceneDescription(
+        objects={"Rim": "subject", "Head Light": "subject"}, materials={"Rim": "subject"}, lights=lights
+    )
+    goals = further(goals_of(parse("rim light stronger", scene)), VOCABULARY, scene)
+    assert {wish.attribute.lights for wish in goals.wishes} == {("Vibe Rim",)}
+
+
+def test_a_further_edge_light_does_not_flood_what_is_around():
+    held = [c for c in claims_of(step("a blue rim light"), VOCABULARY) if not c.word]
+    assert {c.part for c in held if c.box} == {"surroundings"}
+    assert not [c for c in claims_of(step("a blue fill light"), VOCABULARY) if not c.word and c.box]
+
+
+def test_the_sun_that_shines_is_moved_before_one_that_is_off():
+    lights = {"Sun": LightDescription("SUN", "fill"), "Vibe Key Sun": LightDescription("SUN", "key")}
+    scene = SceneDescription(lights=lights)
+    (wish,) = further(goals_of(parse("lower sun", scene)), VOCABULARY, scene).wishes
+    assert wish.attribute.lights[0] == "Vibe Key Sun"

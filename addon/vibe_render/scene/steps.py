@@ -208,12 +208,16 @@ class Steps:
 
         If `said.new` names another target, the words are searched for it. If no step has them, `title` is searched.
         """
-        for number, step in reversed([*enumerate(self.steps[: self.shown])]):
-            if step.on and (words := step.keys_of(said.what, by_word=said.kind == "without")):
-                before = self.values(number)
-                taken = {key: before[key] for keys in words.values() for key in keys}
-                new = ", ".join(f"{word} {said.new}" for word in words) if said.new else ""
-                return Change(self, taken, new, title)
+        removes = said.kind == "without"
+        rows = [(n, s.keys_of(said.what, by_word=removes)) for n, s in enumerate(self.steps[: self.shown]) if s.on]
+        rows = [(number, words) for number, words in rows if words]
+        if rows:
+            number, words = rows[0 if removes else -1]  # what is removed goes back to before it was first asked for
+            before = self.values(number)
+            mine = (words for _, words in rows) if removes else (words,)
+            taken = {key: before[key] for each in mine for keys in each.values() for key in keys if key in before}
+            new = ", ".join(f"{word} {said.new}" for word in words) if said.new else ""
+            return Change(self, taken, new, title)
         return Change(self, {}, title, title)  # the scene had it before, or a look: "peachy, not pink"
 
     def _last(self) -> int:
