@@ -25,6 +25,7 @@ _TINTS = ("tint", "accent")
 
 # Most change of a mean color after a further sentence, OKLab times 100: of a place in the image, of what is protected
 _STILL, _EXACT = (1.0, 0.4, 0.4), (0.5, 0.2, 0.2)
+_HAZY = 3.0  # OKLab lightness times 100 by which more or less fog may change the mean of the image
 
 
 def claims_of(goals: Goals, vocabulary: Vocabulary) -> tuple[Claim, ...]:
@@ -196,6 +197,8 @@ def _held(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
     if relit and all(w.attribute.role == "rim" for w in goals.wishes):  # an edge light does not flood what is around
         yield from (_still("surroundings", _STILL, box=cell, weight=0.3) for cell in cells)
         return
+    if "haze" in kinds.values() and not relit:
+        yield _still("picture", (_HAZY, math.inf, math.inf))  # fog hides and brightens, but the exposure stays
     if relit or not {"haze", "direction"}.isdisjoint(kinds.values()):
         return  # new or turned light and air change the whole image
     if any(not e.family.startswith("material/") for w in acting for e in w.effects):
