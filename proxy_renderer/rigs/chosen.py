@@ -134,7 +134,9 @@ class _Build:
         keys = [rig.lights[0].type for rig in (self.rig, other) if rig.lights]
         hours = other.kind in TIMES and self.first.kind in TIMES and other.has_dark_sky == self.first.has_dark_sky
         if other.kind == "source":
-            self.rig, asked = with_source(self.rig, other), (("accent",), ("color",))
+            has_signs = other.has_signs and self.first.has_signs  # the hour's own signs stay
+            self.rig = self.rig if has_signs else with_source(self.rig, other)
+            asked = ("accent",), ("color",)
         elif hours and keys == ["SUN", "SUN"] and self.table.is_a_light(attribute.entry, attribute.word):
             # more about the sun of an hour: "early morning, low golden sun"
             self.rig = replace(self.rig, lights=(*other.lights[:1], *self.rig.lights[1:]))
@@ -304,14 +306,17 @@ def _setups(said: Sequence[Attribute], table: RigTable) -> list[Attribute]:
     every = [a for a in every if not (table.rigs[a.entry].adds or a.cause in graded)]
     rigs = {a.entry: table.rigs[a.entry] for a in every}
     night = any(rig.kind in TIMES and rig.has_dark_sky for rig in rigs.values())
+    signs = any(rig.kind in TIMES and rig.has_signs for rig in rigs.values())
 
     def rank(attribute: Attribute) -> tuple[bool, bool, int]:
         """Words of the prompt come before those that a mood stands for; then the kind of the rig decides.
 
-        At night a weather without a sun comes last: "rainy midnight" is lit as the midnight.
+        At night a weather without a sun comes last: "rainy midnight" is lit as the midnight. Colored signs come after an
+        hour that has such signs: "rainy night, neon".
         """
         rig = rigs[attribute.entry]
-        return bool(attribute.cause), night and rig.is_overcast, KINDS.index(rig.kind)
+        late = (night and rig.is_overcast) or (signs and rig.kind == "source" and rig.has_signs)
+        return bool(attribute.cause), late, KINDS.index(rig.kind)
 
     every.sort(key=rank)
     # A word that can also change a setup, such as "backlit", counts only if there is no other.

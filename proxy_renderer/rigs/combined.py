@@ -57,12 +57,17 @@ def sky_color_of(said: Sequence[Attribute]) -> Values | None:
 
 
 def under_named_sky(rig: Rig, said: Sequence[Attribute]) -> Rig:
-    """A rig whose sky, if it has one, is shown in exactly the color that words give it."""
+    """A rig whose sky, if it has one, is shown in exactly the color that words give it.
+
+    A color without the word "sky" is shown in a dark shade by night: "a blue night".
+    """
     color = sky_color_of(said)
     if rig.sky is None or color is None:
         return rig
+    named = any(a.kind == "sky" and a.color and a.thing != a.word for a in said)
     stops = math.log2(max(luminance(linear_from_srgb(color)), 1e-7) / GRAY)
-    return replace(rig, sky=stops, sky_color=hex_from_srgb(color))
+    dark = rig.has_dark_sky and not named
+    return replace(rig, sky=min(stops, rig.sky + 1.0) if dark else stops, sky_color=hex_from_srgb(color))
 
 
 def in_a_style(rig: Rig, style: Rig) -> Rig:

@@ -181,6 +181,12 @@ def _in_its_light(
     A target that the description names stays: the cars of "an orange sun behind the red cars". A word for both lights
     and surfaces ("globes brighter") is about light if the named surface glows.
     """
+    source, *rest_of_phrase = pair.look.text.split()
+    if pair.target.kind == "lights" and rest_of_phrase and vocabulary.nouns.get(source) == "light":
+        # "sun through the window" is no light of the scene that is called after the window
+        own = mentions[pair.target.mention].covers(pair.look.index)
+        if own and not any(source in parts(name) for name in pair.target.names):
+            return next((p for p in pairs if p.target.kind == "light"), pair)
     if pair.target.mention >= 0 and "lamp" in vocabulary.adjectives.get(pair.look.token.adjective, {}):
         same = [p for p in pairs if p.target.kind == "lights" and p.target.mention == pair.target.mention]
         if glow := next((p for p in same if all(name.startswith(GLOW) for name in p.target.names)), None):

@@ -13,7 +13,7 @@ from proxy_renderer.rigs.combined import at_an_hour, in_a_mood, in_a_style, with
 from proxy_renderer.words.lexicon.rigs import Rig, rig_table
 from proxy_renderer.words.lexicon.vocabulary import default_vocabulary
 from proxy_renderer.words.parser import parse
-from proxy_renderer.words.types import SceneDescription
+from proxy_renderer.words.types import LightDescription, SceneDescription
 
 _KINDS = {
     kind: [rig for rig in {r.name: r for r in rig_table().rigs.values()}.values() if rig.kind == kind]
@@ -171,3 +171,19 @@ def test_what_glows_and_is_no_lamp_adds_no_light():
 @pytest.mark.parametrize("prompt", ["rainy midnight", "overcast night"])
 def test_a_weather_by_night_is_lit_as_the_night(prompt):
     assert _chosen(prompt).rig.has_dark_sky
+
+
+def test_a_blue_night_has_a_dark_blue_sky():
+    assert _chosen("quiet blue night").rig.sky < -2.5
+    assert _chosen("night, pale yellow sky").rig.sky > 0.0  # as the words say
+
+
+def test_the_sun_through_a_window_is_not_the_light_that_is_called_after_it():
+    scene = SceneDescription(lights={"Window Light": LightDescription("AREA")})
+    said = parse("sun through the window", scene, default_vocabulary()).attributes
+    assert not any(attribute.lights for attribute in said)
+
+
+def test_an_hour_with_signs_of_its_own_keeps_them_beside_neon():
+    lights = {light.part: light.color for light in _chosen("rainy night, neon").rig.lights}
+    assert lights == {light.part: light.color for light in _chosen("rainy night").rig.lights}

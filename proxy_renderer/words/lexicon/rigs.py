@@ -81,6 +81,11 @@ class Rig:
         return self.sky is not None and self.sky <= _DARK_SKY
 
     @property
+    def has_signs(self) -> bool:
+        """True if its lights have several colors of their own, as neon signs do."""
+        return len({light.color for light in self.lights} - {""}) > 1
+
+    @property
     def is_overcast(self) -> bool:
         """True if it is a weather by day without a sun, as rain."""
         return self.kind in TIMES and not self.has_dark_sky and self.lights[0].type != "SUN"
