@@ -205,8 +205,9 @@ def _alike_in_pairs(row: list[TargetPair], ranked: list[list[TargetPair]], vocab
 
     Of two colors that "and" joins, both are of the light if one is: "cyan and magenta light". A color before a
     substance is of the substance: "gray stone" colors no light.
+    A color before a night is that of the light: "a blue night".
     """
-    found = list(row)
+    found, rigs = list(row), rig_table().rigs
     for n, (first, second) in enumerate(pairwise(row)):
         apart = second.look.index - first.look.index
         lit = [pair.target.kind == "light" and pair.target.mention < 0 for pair in (first, second)]
@@ -216,6 +217,9 @@ def _alike_in_pairs(row: list[TargetPair], ranked: list[list[TargetPair]], vocab
             found[other] = next((p for p in ranked[other] if p.target.kind == "light"), row[other])
         elif apart == 1 and lit[0] and vocabulary.slot(second.look.token.entry) == "material":
             found[n] = next((p for p in ranked[n] if p.target.kind == second.target.kind), first)
+        elif apart == 1 and first.target.kind == "sky" and first.target.mention < 0:
+            night = second.look.token.entry in rigs and rigs[second.look.token.entry].has_dark_sky
+            found[n] = next((p for p in ranked[n] if night and p.target.kind == "picture"), first)
     return found
 
 
