@@ -190,17 +190,19 @@ def _held(goals: Goals, claims: Sequence[Claim]) -> Iterator[Claim]:
             yield _still(part, _EXACT, materials=(name,) if name else ())
     measured = {id(wish.attribute) for wish in goals.wishes if wish.is_measured}
     acting = [w for w in goals.wishes if id(w.attribute) not in measured]
-    relit = goals.shown or any(w.attribute.role in ("rim", "fill") for w in goals.wishes)
+    roles = {wish.attribute.role for wish in goals.wishes}
+    relit = goals.shown or not roles.isdisjoint(("rim", "fill"))
     kinds = {c: quantities().measures.get(c.measure, "") for c in claims}
     whole = {kind for c, kind in kinds.items() if c.part == "picture" and not c.materials}
     cells = [(x / 6, y / 4, (x + 1) / 6, (y + 1) / 4) for x, y in product(range(6), range(4))]
-    if relit and all(w.attribute.role == "rim" for w in goals.wishes):  # an edge light does not flood what is around
+    if roles == {"rim"}:  # an edge light does not flood what is around
         yield from (_still("surroundings", _STILL, box=cell, weight=0.3) for cell in cells)
         return
-    if "haze" in kinds.values() and not relit:
-        yield _still("picture", (_HAZY, math.inf, math.inf))  # fog hides and brightens, but the exposure stays
-    if relit or not {"haze", "direction"}.isdisjoint(kinds.values()):
-        return  # new or turned light and air change the whole image
+    if relit or "direction" in kinds.values():
+        return  # new or turned light changes the whole image
+    if "haze" in kinds.values():  # fog hides and brightens, but the exposure stays
+        yield _still("picture", (_HAZY, math.inf, math.inf))
+        return
     if any(not e.family.startswith("material/") for w in acting for e in w.effects):
         return  # an effect that no measure covers may change any place
     light, color = "brightness" in whole, not whole.isdisjoint(("light_color", "cast", "saturation", "color"))

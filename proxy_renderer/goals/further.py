@@ -19,7 +19,6 @@ from .resolve import Goals, resolved
 from .wish import Wish, wishes_of
 
 _OF = re.compile(r"\b(?:for|on|of|to) (?:the|her|his|its|this|that) (?:\w+ ){0,2}?(\w+)(?=$|[,;.]| instead\b)", re.I)
-_NOUN = r"\b(?:the|her|his|its|my|these|those) (?:\w+ )?{}\b"  # {}: an ignored word, shown to be a noun
 _BARE = ("more", "less", "a bit more", "a bit less", "much more", "much less")
 _SIDES = ("front", "back", "rear", "side", "behind")
 _OF_SOMETHING = ("stronger", "weaker")  # comparatives that say nothing without a noun
@@ -52,11 +51,12 @@ def further(
     named = {a.owners for a in attributes if a.slot in ("color", "material") and a not in compared and not a.cause}
     # the word that the factor belongs to: "red" of "half as red, more contrast"
     first = next((a for a in compared if text.startswith(a.word)), None)
+    places = _places(goals)
     said, wishes, notes, left_out = list[Attribute](), list[Wish](), list(goals.parsed.notes), set[str]()
     for original, attribute in zip(originals, attributes, strict=True):
-        if original.cause in left_out:
+        if original.cause in left_out:  # what a mood implies goes with it
             continue
-        if why := _why_not(attribute, goals):
+        if why := _why_not(attribute, goals, places):
             left_out.add(attribute.word)
             notes.append(f"'{attribute.word}' is not used: {why}.")
             continue
@@ -81,48 +81,60 @@ def further(
     return replace(resolved(replace(goals.parsed, attributes=said, notes=notes), wishes), holds=True)
 
 
-def _why_not(attribute: Attribute, goals: Goals) -> str:
-    """The reason to leave out a word of a further sentence, such as an object that the scene lacks; "" to use it."""
+def _why_not(attribute: Attribute, goals: Goals, places: list[Attribute]) -> str:
+    """The reason to leave out a word of a further sentence, such as an object that the scene lacks; "" to use it.
+
+    `places` are the result of `_places`.
+    """
     if attribute.word in _BARE:
         return "the sentence does not name what there is to be more or less of"
     if attribute.word in _SIDES:  # "front" of "front car" is no light
         return "it names no light: write 'light from the front'"
-    places, word, text = _places(goals), attribute.word.lower(), goals.parsed.prompt.lower()
-    of_place = attribute.slot == "mood" and any(f"{word} {place.word}" in text for place in places)  # "the snowy peaks"
+    text = goals.parsed.prompt.lower()
+    # "snowy" of "the snowy peaks"
+    of_place = attribute.slot == "mood" and any(f"{attribute.word} {place.word}" in text for place in places)
     if attribute in places or of_place:
         return "it says where in the image, not how it is to look"
     if attribute.owners or attribute.lights or attribute.role:
         return ""
     if goals.parsed.undone:
         return "it is of something that would have to be added"
-    unnamed = attribute.kind == "subject" and attribute.thing.lower() not in goals.parsed.prompt.lower()
-    # nouns that name nothing known: "screens" in "let the screens glow"
-    unread = [noun for noun in goals.parsed.ignored if re.search(_NOUN.format(noun), text)]
-    things = [noun for noun in goals.parsed.ignored if thing_words().get(noun)]
+    noun = _absent_noun(attribute, goals, places)
+    return f"there is no '{noun}' in the scene" if noun else ""
+
+
+def _absent_noun(attribute: Attribute, goals: Goals, places: list[Attribute]) -> str:
+    """The noun that a word without a target belongs to, if the scene lacks its object; else ""."""
+    text, word, ignored = goals.parsed.prompt.lower(), attribute.word.lower(), goals.parsed.ignored
+    unread = [noun for noun in ignored if _follows_article(noun, text)]  # "screens" in "let the screens glow"
+    things = [noun for noun in ignored if thing_words().get(noun)]
     absent = [*unread, *things, *(place.word for place in places), *goals.parsed.absent]
-    # "the pot warmer", "fade the pale blotches"
-    of_absent = any(f"{n} {word}" in text or f"{word} {n}" in text for n in unread) or text.startswith(f"{word} the ")
-    needs_noun = unnamed or of_absent or attribute.word.split()[-1] in _OF_SOMETHING
-    return f"there is no '{absent[0]}' in the scene" if absent and needs_noun else ""
+    unnamed = attribute.kind == "subject" and attribute.thing.lower() not in text
+    next_to_it = any(f"{noun} {word}" in text or f"{word} {noun}" in text for noun in unread)  # "the pot warmer"
+    is_verb = text.startswith(f"{word} the ")  # "fade the blotches"
+    needs_noun = unnamed or next_to_it or is_verb or word.split()[-1] in _OF_SOMETHING
+    return absent[0] if absent and needs_noun else ""
 
 
 def _places(goals: Goals) -> list[Attribute]:
     """The words that only name a place in the image: "trees" in "between the trees", "rock" in "green on the rock"."""
-    text = goals.parsed.prompt.lower()
-    settings = (
-        a for a in goals.parsed.attributes if a.slot == "setting" and re.search(_NOUN.format(a.word.split()[-1]), text)
-    )
+    text, attributes = goals.parsed.prompt.lower(), goals.parsed.attributes
     nouns = {noun.lower() for noun in _OF.findall(text)}
-    return [
-        *settings,
-        *(a for a in goals.parsed.attributes if a.slot == "material" and not a.owners and a.word in nouns),
-    ]
+    settings = (a for a in attributes if a.slot == "setting" and _follows_article(a.word.split()[-1], text))
+    substances = (a for a in attributes if a.slot == "material" and not a.owners and a.word in nouns)
+    return [*settings, *substances]
+
+
+def _follows_article(noun: str, text: str) -> bool:
+    """True if an article or a possessive stands before a word, with one word between at most: "the snowy peaks"."""
+    return bool(re.search(rf"\b(?:the|her|his|its|my|these|those) (?:\w+ )?{re.escape(noun)}\b", text))
 
 
 def _fixture(attribute: Attribute, scene: SceneDescription) -> tuple[str, ...]:
     """Names of all lights and glows that `attribute.thing` names: a lamp is often a light inside a bulb that glows.
 
-    () if the word is about a role of lights, about the sky, or about no light with that name.
+    For a role, the lights that have its name: "Vibe Rim". The scene's key comes first. () if the word is about the sky,
+    or about no light with that name.
     """
     noun = {attribute.role} if attribute.role else {singular(word) for word in attribute.thing.lower().split()}
 

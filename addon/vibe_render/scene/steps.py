@@ -212,10 +212,10 @@ class Steps:
         rows = [(n, s.keys_of(said.what, by_word=removes)) for n, s in enumerate(self.steps[: self.shown]) if s.on]
         rows = [(number, words) for number, words in rows if words]
         if rows:
-            number, words = rows[0 if removes else -1]  # what is removed goes back to before it was first asked for
+            number, words = rows[0 if removes else -1]  # a removal goes back to before the first of the steps
             before = self.values(number)
             mine = (words for _, words in rows) if removes else (words,)
-            taken = {key: before[key] for each in mine for keys in each.values() for key in keys if key in before}
+            taken = {key: before[key] for each in mine for keys in each.values() for key in keys}
             new = ", ".join(f"{word} {said.new}" for word in words) if said.new else ""
             return Change(self, taken, new, title)
         return Change(self, {}, title, title)  # the scene had it before, or a look: "peachy, not pink"
