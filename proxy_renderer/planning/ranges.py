@@ -33,17 +33,7 @@ def named_color(effect: Effect, attribute: Attribute, instance: Instance, source
 def color_range(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Range:
     """The range that an effect with a color asks for: linear colors, or strengths of the world; not clipped."""
     if named := named_color(effect, attribute, instance, sources):
-        # All colors of its hue that may look as named in some light: darker or lighter, purer or paler
-        shown = [max(v, 0.0) ** (1 / 2.2) for v in named]
-        most, cap = max(*shown, 1e-3), max(*named, _WHITEST) ** (1 / 2.2)
-        ends = _GLOW if instance.parameter.name == "emission_color" else _SURFACE
-        tops = [min(max(a * most + b, 0.0), cap) for a, b in ends]
-        colors = ([top / most * v for v in shown] for top in tops)
-        lower, upper = (
-            tuple(max(v + pale * (top - v), 0.0) ** 2.2 for v in color)
-            for color, top, pale in zip(colors, tops, _PALER, strict=True)
-        )
-        return lower, upper
+        return _of_its_hue(named, _GLOW if instance.parameter.name == "emission_color" else _SURFACE)
     srgb = _color_of(effect, attribute, sources)
     if effect.mode == "shown" and instance.parameter.kind == "scalar":
         return _shown_strength(srgb, instance, sources)
@@ -66,6 +56,21 @@ def color_range(effect: Effect, attribute: Attribute, instance: Instance, source
     neutral = max(shown) - min(shown) < 0.02 and min(shown) > 0.25
     half = 0.02 if neutral else 0.06 * min(max(max(shown) / 0.4, 0.5), 1.0)
     return tuple(max(v - half, 0.0) ** 2.2 for v in shown), tuple((v + half) ** 2.2 for v in shown)
+
+
+def _of_its_hue(named: Values, ends: tuple[tuple[float, float], tuple[float, float]]) -> Range:
+    """The range of colors that look like a linear color in some light: darker or lighter, purer or paler, of one hue.
+
+    `ends` are `_SURFACE` or `_GLOW`.
+    """
+    shown = [max(v, 0.0) ** (1 / 2.2) for v in named]
+    most, cap = max(*shown, 1e-3), max(*named, _WHITEST) ** (1 / 2.2)
+    found = []
+    for (factor, summand), pale in zip(ends, _PALER, strict=True):
+        top = min(max(factor * most + summand, 0.0), cap)
+        color = [top / most * v for v in shown]
+        found.append(tuple(max(v + pale * (top - v), 0.0) ** 2.2 for v in color))
+    return found[0], found[1]
 
 
 def painted(effect: Effect, attribute: Attribute, instance: Instance, sources: Sources) -> Values:

@@ -13,7 +13,7 @@ from ..words.lexicon.rigs import KINDS, TIMES, Modifier, Rig, RigLight, RigTable
 from ..words.lexicon.vocabulary import GLOWING, Vocabulary
 from ..words.passage import LIGHTS
 from ..words.types import Attribute
-from .combined import at_an_hour, deepened, in_a_mood, in_a_style, under_named_sky, with_source
+from .combined import at_an_hour, deepened, denser, in_a_mood, in_a_style, under_named_sky, with_source
 from .described import BEHIND, EDGES, FILLS, FREE, DescribedLight, composed, described, limited, source_of, tint_of
 
 _STYLED = {"source": ("style", "film", "mood", "place"), "style": ("mood", "place"), "time": ("style", "film")}
@@ -119,7 +119,7 @@ class _Build:
         self.served: list[Attribute] = []
         self._colored = 0
         self._in_a_mood = False
-        self.names_light_colors = names_light_colors  # if so, moods bring no colored lights of their own
+        self._names_light_colors = names_light_colors  # if so, moods bring no colored lights of their own
         self._turned: set[tuple[str, ...]] = set()  # groups of parts that a word has given a direction
 
     def take_setup(self, attribute: Attribute) -> None:
@@ -142,14 +142,13 @@ class _Build:
             self.rig = replace(self.rig, lights=(*other.lights[:1], *self.rig.lights[1:]))
             asked = ("key",), ("color",)
         elif self.first.has_dark_sky and other.is_overcast:  # the air of a weather by night
-            self.rig = replace(self.rig, air=max(self.rig.air or 0.0, other.air or 0.0) or None)
-            asked = ("key",), ("rest",)
+            self.rig, asked = replace(self.rig, air=denser(self.rig, other)), (("key",), ("rest",))
         elif other.kind in TIMES and self.first.kind not in ("time", "hour"):
             self.rig, asked = at_an_hour(self.rig, other), (("key",), ("rest",))
         elif other.kind in _STYLED.get(self.first.kind, ()):
             self.rig, asked = in_a_style(self.rig, other), (("key",), ("contrast", "rest"))
         elif other.kind == "mood" and self.first.kind in (*TIMES, "place"):
-            self.rig = self.rig if self._in_a_mood else in_a_mood(self.rig, other, edges=not self.names_light_colors)
+            self.rig = self.rig if self._in_a_mood else in_a_mood(self.rig, other, edges=not self._names_light_colors)
             self._in_a_mood, asked = True, (EDGES, ("rim", "color"))
         else:
             return

@@ -83,6 +83,11 @@ def in_a_style(rig: Rig, style: Rig) -> Rig:
     return replace(rig, **darker, exposure=exposure, grade=(*rig.grade, *style.grade))
 
 
+def denser(rig: Rig, other: Rig) -> float | None:
+    """The denser air of two rigs; None if neither has air."""
+    return max((air for air in (rig.air, other.air) if air is not None), default=None)
+
+
 def in_a_mood(rig: Rig, mood: Rig, edges: bool) -> Rig:
     """The rig of an hour, a weather or a place in a mood: "gloomy noon".
 
@@ -96,7 +101,7 @@ def in_a_mood(rig: Rig, mood: Rig, edges: bool) -> Rig:
         world_color=_mixed_color(rig.world_color, mood.world_color),
         sky=_mixed(rig.sky, mood.sky),
         sky_color=_mixed_color(rig.sky_color or rig.world_color, mood.sky_color or mood.world_color),
-        air=max((air for air in (rig.air, mood.air) if air is not None), default=None),
+        air=denser(rig, mood),
         exposure=_mixed(rig.exposure, mood.exposure) or 0.0,
         grade=(*rig.grade, *mood.grade),
         lights=(*rig.lights, *(light for light in colored if light.part not in parts)),

@@ -131,7 +131,7 @@ def _likeliest_pairs(
     row = [
         _in_its_light(pair, each, pairs.mentions, phrases, vocabulary) for pair, each in zip(row, ranked, strict=True)
     ]
-    return _alike_in_pairs(row, ranked, vocabulary)
+    return _with_neighbors(row, ranked, vocabulary)
 
 
 def _unknown(read: PromptReading) -> Iterator[str]:
@@ -200,12 +200,11 @@ def _in_its_light(
     return next((other for other in pairs if other.target.kind == "light"), pair)
 
 
-def _alike_in_pairs(row: list[TargetPair], ranked: list[list[TargetPair]], vocabulary: Vocabulary) -> list[TargetPair]:
-    """The pairs of `row`, changed where two neighboring look words describe the same target.
+def _with_neighbors(row: list[TargetPair], ranked: list[list[TargetPair]], vocabulary: Vocabulary) -> list[TargetPair]:
+    """The pairs of `row`, changed where the next look word tells the target of a color.
 
     Of two colors that "and" joins, both are of the light if one is: "cyan and magenta light". A color before a
-    substance is of the substance: "gray stone" colors no light.
-    A color before a night is that of the light: "a blue night".
+    substance is of the substance: "gray stone" colors no light. A color before a night is of all light: "a blue night".
     """
     found, rigs = list(row), rig_table().rigs
     for n, (first, second) in enumerate(pairwise(row)):
